@@ -1,0 +1,245 @@
+//! The flat mesh: triangles of the flat sheet whose edges know what they are.
+
+use crate::{CheckError, CreaseId, EdgeId, LoopId, TriangleId, VertexId};
+use glam::DVec2;
+use std::collections::BTreeMap;
+
+/// Where a vertex sits on the sheet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Site {
+    /// Anywhere inside a region.
+    Interior,
+    /// On the outline or a hole.
+    Boundary {
+        /// Which closed curve.
+        loop_id: LoopId,
+        /// Arc length along it, mm.
+        s_mm: f64,
+    },
+    /// On a fold line, away from the boundary.
+    FoldLine {
+        /// The crease.
+        crease: CreaseId,
+        /// Number of the line in its band.
+        line: u32,
+    },
+}
+
+/// What an edge is, known from the constraint that it came from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EdgeClass {
+    /// Part of a fold line; its turn is the rest angle, + valley.
+    Fold {
+        /// The crease.
+        crease: CreaseId,
+        /// Number of the line in its band.
+        line: u32,
+        /// Rest turn, rad.
+        turn_rad: f64,
+    },
+    /// Inside a face: its rest turn is 0.
+    Facet,
+    /// Inside a junction of creases: it may turn freely.
+    Free,
+    /// On the outline or a hole.
+    Boundary {
+        /// Which closed curve.
+        loop_id: LoopId,
+    },
+}
+
+/// An edge with its neighbours. `triangles[0]` lies to its left (it contains the edge from
+/// `vertices[0]` to `vertices[1]`), `triangles[1]` to its right.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    /// Start and end.
+    pub vertices: [VertexId; 2],
+    /// Left and right neighbour; a boundary edge has only the left one.
+    pub triangles: [Option<TriangleId>; 2],
+    /// What it is.
+    pub class: EdgeClass,
+}
+
+/// A triangle mesh of the flat sheet. Triangles are counter-clockwise in (u, v).
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlatMesh {
+    /// Vertices in (u, v), mm.
+    pub vertices: Vec<DVec2>,
+    /// Where each vertex sits.
+    pub sites: Vec<Site>,
+    /// Corner vertices, counter-clockwise.
+    pub triangles: Vec<[VertexId; 3]>,
+    /// All edges, ordered by their lower, then their higher vertex.
+    pub edges: Vec<Edge>,
+}
+
+impl FlatMesh {
+    /// A mesh from triangles; `class` tells what the edge between two vertices (lower first) is, given
+    /// whether it is on the boundary.
+    pub fn new(
+        vertices: Vec<DVec2>,
+        sites: Vec<Site>,
+        triangles: Vec<[VertexId; 3]>,
+        class: impl Fn([VertexId; 2], bool) -> EdgeClass,
+    ) -> Self {
+        let mut sides: BTreeMap<[VertexId; 2], Vec<(TriangleId, bool)>> = BTreeMap::new();
+        for (t, corners) in triangles.iter().enumerate() {
+            for k in 0..3 {
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                sides.entry([a.min(b), a.max(b)]).or_default().push((TriangleId::new(t), a < b));
+            }
+        }
+        let edges = sides.into_iter().map(|(key, sides)| edge(key, &sides, &class)).collect();
+        Self { vertices, sites, triangles, edges }
+    }
+
+    /// Corner positions of a triangle.
+    pub fn corners(&self, triangle: TriangleId) -> [DVec2; 3] {
+        self.triangles[triangle.index()].map(|v| self.vertices[v.index()])
+    }
+
+    /// Area of a triangle, mm².
+    pub fn triangle_area_mm2(&self, triangle: TriangleId) -> f64 {
+        let [a, b, c] = self.corners(triangle);
+        0.5 * (b - a).perp_dot(c - a)
+    }
+
+    /// Area of the whole mesh, mm².
+    pub fn area_mm2(&self) -> f64 {
+        (0..self.triangles.len()).map(|t| self.triangle_area_mm2(TriangleId::new(t))).sum()
+    }
+
+    /// Flat length of an edge, mm.
+    pub fn edge_length_mm(&self, edge: EdgeId) -> f64 {
+        let [a, b] = self.edges[edge.index()].vertices;
+        self.vertices[a.index()].distance(self.vertices[b.index()])
+    }
+
+    /// The vertex of a triangle that is not on the edge.
+    pub fn opposite(&self, triangle: TriangleId, edge: [VertexId; 2]) -> VertexId {
+        let corners = self.triangles[triangle.index()];
+        corners.into_iter().find(|v| !edge.contains(v)).unwrap_or(corners[0])
+    }
+
+    /// The three inner angles of a triangle, rad.
+    pub fn angles_rad(&self, triangle: TriangleId) -> [f64; 3] {
+        let p = self.corners(triangle);
+        [0, 1, 2].map(|k| {
+            let (a, b) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+            a.angle_to(b).abs()
+        })
+    }
+
+    /// The smallest angle of the mesh, rad; π if it has no triangle.
+    pub fn min_angle_rad(&self) -> f64 {
+        (0..self.triangles.len())
+            .flat_map(|t| self.angles_rad(TriangleId::new(t)))
+            .fold(std::f64::consts::PI, f64::min)
+    }
+
+    /// Vertices of a boundary loop in order of arc length.
+    pub fn loop_vertices(&self, wanted: LoopId) -> Vec<VertexId> {
+        let on_loop = |(i, site): (usize, &Site)| match *site {
+            Site::Boundary { loop_id, s_mm } if loop_id == wanted => Some((s_mm, VertexId::new(i))),
+            _ => None,
+        };
+        let mut found: Vec<_> = self.sites.iter().enumerate().filter_map(on_loop).collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.into_iter().map(|(_, v)| v).collect()
+    }
+
+    /// The contract of this type.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn check(&self) -> Result<(), CheckError> {
+        let fault = |f: String| Err(CheckError::new("FlatMesh", f));
+        if self.sites.len() != self.vertices.len() {
+            return fault(format!("{} sites for {} vertices", self.sites.len(), self.vertices.len()));
+        }
+        if let Some(i) = self.vertices.iter().position(|v| !v.is_finite()) {
+            return fault(format!("vertex {i} is not finite"));
+        }
+        if let Some(t) =
+            self.triangles.iter().position(|t| t.iter().any(|v| v.index() >= self.vertices.len()))
+        {
+            return fault(format!("triangle {t} has a corner that is no vertex"));
+        }
+        if let Some(t) =
+            (0..self.triangles.len()).find(|&t| self.triangle_area_mm2(TriangleId::new(t)) <= 0.0)
+        {
+            return fault(format!("triangle {t} is not counter-clockwise"));
+        }
+        self.edges.iter().try_for_each(|e| self.check_edge(e))
+    }
+
+    fn check_edge(&self, edge: &Edge) -> Result<(), CheckError> {
+        let [a, b] = edge.vertices;
+        let boundary = matches!(edge.class, EdgeClass::Boundary { .. });
+        if edge.triangles[0].is_none() || edge.triangles[1].is_none() != boundary {
+            return Err(CheckError::new(
+                "FlatMesh",
+                format!("edge {a}-{b} has a class that its neighbours contradict"),
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn edge(
+    key: [VertexId; 2],
+    sides: &[(TriangleId, bool)],
+    class: &impl Fn([VertexId; 2], bool) -> EdgeClass,
+) -> Edge {
+    let side = |wanted: bool| sides.iter().find(|s| s.1 == wanted).map(|s| s.0);
+    let class = class(key, sides.len() == 1);
+    match (side(true), side(false)) {
+        (None, right) => Edge { vertices: [key[1], key[0]], triangles: [right, None], class },
+        (left, right) => Edge { vertices: key, triangles: [left, right], class },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn two_triangles() -> FlatMesh {
+        let vertices = [(0., 0.), (2., 0.), (2., 2.), (0., 2.)].map(DVec2::from).to_vec();
+        let sites = (0..4).map(|i| Site::Boundary { loop_id: LoopId(0), s_mm: 2.0 * i as f64 }).collect();
+        let triangles = vec![[0, 1, 2], [0, 2, 3]].into_iter().map(|t| t.map(VertexId)).collect();
+        FlatMesh::new(vertices, sites, triangles, |_, boundary| match boundary {
+            true => EdgeClass::Boundary { loop_id: LoopId(0) },
+            false => EdgeClass::Facet,
+        })
+    }
+
+    #[test]
+    fn edges_have_their_triangles_on_the_stated_sides() {
+        let m = two_triangles();
+        m.check().unwrap();
+        assert_eq!(m.edges.len(), 5);
+        for e in &m.edges {
+            let left = m.triangles[e.triangles[0].unwrap().index()];
+            let i = left.iter().position(|&v| v == e.vertices[0]).unwrap();
+            assert_eq!(left[(i + 1) % 3], e.vertices[1]);
+        }
+        assert_eq!(m.area_mm2(), 4.0);
+        assert!((m.min_angle_rad() - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn check_finds_a_flipped_triangle_and_a_wrong_class() {
+        let mut m = two_triangles();
+        m.triangles[0].swap(0, 1);
+        assert!(m.check().unwrap_err().fault.contains("triangle 0"));
+        let mut m = two_triangles();
+        m.edges[0].class = EdgeClass::Free;
+        assert!(m.check().unwrap_err().fault.contains("edge 0-1"));
+    }
+
+    #[test]
+    fn loop_vertices_come_in_order() {
+        let order: Vec<_> = two_triangles().loop_vertices(LoopId(0)).iter().map(|v| v.0).collect();
+        assert_eq!(order, [0, 1, 2, 3]);
+    }
+}

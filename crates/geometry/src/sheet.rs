@@ -1,0 +1,121 @@
+//! The folded sheet: the flat mesh with its positions in space.
+
+use crate::{CheckError, Edge, FlatMesh, TriMesh, TriangleId, VertexId};
+use glam::DVec3;
+
+/// How a solver ended; no clock here, the pipeline measures time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SolveRecord {
+    /// Name of the solver.
+    pub solver: String,
+    /// Iterations in all.
+    pub iterations: u32,
+    /// Energy at the end (N·mm up to the scale of the weights).
+    pub energy: f64,
+    /// Gradient norm over the norm of the sum of its terms' magnitudes.
+    pub relative_gradient: f64,
+    /// Whether the stop criterion was met.
+    pub converged: bool,
+    /// Why it stopped, in words.
+    pub stop: String,
+}
+
+/// Equilibrium positions of the sheet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoldedSheet {
+    /// The flat mesh.
+    pub mesh: FlatMesh,
+    /// A position per vertex, mm; z is up.
+    pub positions: Vec<DVec3>,
+    /// How it was found.
+    pub solve: SolveRecord,
+}
+
+impl FoldedSheet {
+    /// Position of a vertex.
+    pub fn position(&self, vertex: VertexId) -> DVec3 {
+        self.positions[vertex.index()]
+    }
+
+    /// Corner positions of a triangle.
+    pub fn corners(&self, triangle: TriangleId) -> [DVec3; 3] {
+        self.mesh.triangles[triangle.index()].map(|v| self.position(v))
+    }
+
+    /// Unit normal of a triangle, on the side that the flat sheet shows to the onlooker.
+    pub fn normal(&self, triangle: TriangleId) -> DVec3 {
+        let [a, b, c] = self.corners(triangle);
+        (b - a).cross(c - a).normalize_or_zero()
+    }
+
+    /// Area-weighted unit normal at each vertex.
+    pub fn vertex_normals(&self) -> Vec<DVec3> {
+        let mut sums = vec![DVec3::ZERO; self.positions.len()];
+        for t in &self.mesh.triangles {
+            let [a, b, c] = t.map(|v| self.position(v));
+            t.iter().for_each(|v| sums[v.index()] += (b - a).cross(c - a));
+        }
+        sums.into_iter().map(DVec3::normalize_or_zero).collect()
+    }
+
+    /// Turn at an interior edge, rad in (−π, π], + valley (both sides rise towards the onlooker);
+    /// none on the boundary.
+    pub fn turn_rad(&self, edge: &Edge) -> Option<f64> {
+        let [left, right] = [self.normal(edge.triangles[0]?), self.normal(edge.triangles[1]?)];
+        let direction =
+            (self.position(edge.vertices[1]) - self.position(edge.vertices[0])).normalize_or_zero();
+        Some(right.cross(left).dot(direction).atan2(left.dot(right)))
+    }
+
+    /// The folded sheet as a triangle mesh.
+    pub fn to_tri_mesh(&self) -> TriMesh {
+        let triangles = self.mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect();
+        TriMesh { positions: self.positions.clone(), triangles }
+    }
+
+    /// The contract of this type.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn check(&self) -> Result<(), CheckError> {
+        if self.positions.len() != self.mesh.vertices.len() {
+            return Err(CheckError::new("FoldedSheet", "positions and vertices differ in number"));
+        }
+        match self.positions.iter().position(|p| !p.is_finite()) {
+            Some(i) => Err(CheckError::new("FoldedSheet", format!("vertex {i} is not finite"))),
+            None => self.mesh.check(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{EdgeClass, LoopId, Site};
+    use glam::DVec2;
+
+    /// Two triangles on the line u = 0, the left one at (-1, 0).
+    fn folded(lift: f64) -> FoldedSheet {
+        let vertices = [(0., -1.), (0., 1.), (-1., 0.), (1., 0.)].map(DVec2::from).to_vec();
+        let triangles =
+            vec![[VertexId(0), VertexId(1), VertexId(2)], [VertexId(1), VertexId(0), VertexId(3)]];
+        let sites = vec![Site::Interior; 4];
+        let mesh = FlatMesh::new(vertices, sites, triangles, |_, boundary| match boundary {
+            true => EdgeClass::Boundary { loop_id: LoopId(0) },
+            false => EdgeClass::Facet,
+        });
+        let z = [0.0, 0.0, lift, lift];
+        let positions = mesh.vertices.iter().zip(z).map(|(p, z)| p.extend(z)).collect();
+        FoldedSheet { mesh, positions, solve: SolveRecord::default() }
+    }
+
+    #[test]
+    fn valley_is_positive_and_mountain_negative() {
+        for (lift, turn) in [(1.0, 90f64), (-1.0, -90.0), (0.0, 0.0)] {
+            let sheet = folded(lift);
+            sheet.check().unwrap();
+            let inner = sheet.mesh.edges.iter().find_map(|e| sheet.turn_rad(e)).unwrap();
+            assert!((inner.to_degrees() - turn).abs() < 1e-9, "{lift} {inner}");
+        }
+    }
+}

@@ -1,0 +1,83 @@
+pub(crate) use ffi::*;
+
+#[cxx::bridge(namespace = "softfold::occt")]
+mod ffi {
+    #[namespace = "softfold"]
+    unsafe extern "C++" {
+        include!("softfold-kernel/src/bridge/common.rs.h");
+        type FlatMesh = crate::bridge::common::FlatMesh;
+    }
+
+    #[namespace = ""]
+    unsafe extern "C++" {
+        include!("occt/operations.h");
+        type TopoDS_Shape = opencascade_sys::topo_ds::TopoDS_Shape;
+    }
+
+    /// A bicubic surface: poles in rows (u outer, v inner), distinct knots.
+    struct FlatSurface {
+        poles: Vec<f64>,
+        pole_count_u: u32,
+        pole_count_v: u32,
+        knots_u: Vec<f64>,
+        knots_v: Vec<f64>,
+        multiplicities_u: Vec<u32>,
+        multiplicities_v: Vec<u32>,
+    }
+
+    /// Bezier curves in (u, v), end to end: `curve_sizes` poles per curve, `loop_sizes` curves per loop.
+    struct FlatLoops {
+        poles: Vec<f64>,
+        curve_sizes: Vec<u32>,
+        loop_sizes: Vec<u32>,
+    }
+
+    struct Mass {
+        volume: f64,
+        area: f64,
+        center: [f64; 3],
+        /// Rows.
+        inertia: [f64; 9],
+    }
+
+    struct StepPart {
+        name: String,
+        color: [f32; 3],
+        shape: UniquePtr<TopoDS_Shape>,
+    }
+
+    struct StepHeader {
+        schema: String,
+        product: String,
+        time_stamp: String,
+        author: String,
+        organization: String,
+        system: String,
+    }
+
+    unsafe extern "C++" {
+        fn start() -> Result<()>;
+        fn version() -> Result<String>;
+        fn copy(shape: &TopoDS_Shape) -> Result<UniquePtr<TopoDS_Shape>>;
+        fn surface_at(surface: &FlatSurface, uv: &[f64]) -> Result<Vec<f64>>;
+        fn trimmed_face(surface: &FlatSurface, loops: &FlatLoops) -> Result<UniquePtr<TopoDS_Shape>>;
+        fn board_solid(
+            lower: &FlatSurface,
+            upper: &FlatSurface,
+            loops: &FlatLoops,
+        ) -> Result<UniquePtr<TopoDS_Shape>>;
+        fn prism(shape: &TopoDS_Shape, vector: [f64; 3]) -> Result<UniquePtr<TopoDS_Shape>>;
+        fn extruded_polygon(outline: &[f64], z0: f64, z1: f64) -> Result<UniquePtr<TopoDS_Shape>>;
+        fn boolean(a: &TopoDS_Shape, b: &TopoDS_Shape, operation: u8) -> Result<UniquePtr<TopoDS_Shape>>;
+        fn transformed(
+            shape: &TopoDS_Shape,
+            rotation: [f64; 9],
+            translation: [f64; 3],
+        ) -> Result<UniquePtr<TopoDS_Shape>>;
+        fn check(shape: &TopoDS_Shape) -> Result<Vec<String>>;
+        fn mass_properties(shape: &TopoDS_Shape) -> Result<Mass>;
+        fn triangulate(shape: &TopoDS_Shape, linear: f64, angular: f64) -> Result<FlatMesh>;
+        fn write_step(path: &str, parts: &Vec<StepPart>, header: &StepHeader) -> Result<()>;
+        fn read_step(path: &str) -> Result<Vec<StepPart>>;
+    }
+}

@@ -1,0 +1,2 @@
+//! softfold
+fn main() {}
