@@ -208,7 +208,7 @@ impl PlanarCurve {
     pub fn curvature(&self, s_mm: f64) -> f64 {
         let (i, t) = self.locate(s_mm);
         match self.segments[i].path() {
-            PathSeg::Cubic(c) => c.curvature(t),
+            PathSeg::Cubic(c) => -c.curvature(t), // kurbo counts turning right as positive
             _ => 0.0,
         }
     }
