@@ -1,0 +1,148 @@
+//! The sparse Hessian: 3×3 blocks by vertex pairs in the lower triangle of a CSC matrix.
+
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
+use glam::{DMat3, DVec3};
+
+/// Lower triangle of a symmetric matrix of 3×3 blocks, stored column by column for faer.
+pub struct Hessian {
+    symbolic: SymbolicSparseColMat<usize>,
+    values: Vec<f64>,
+    /// Rows (vertices ≥ the column's) of each block column.
+    rows: Vec<Vec<u32>>,
+    /// First value of each scalar column.
+    starts: Vec<usize>,
+}
+
+impl Hessian {
+    /// A zero matrix for `vertices` vertices with room for every pair of each group.
+    pub fn new(vertices: usize, groups: &[Vec<u32>]) -> Self {
+        let mut rows: Vec<Vec<u32>> = (0..vertices as u32).map(|v| vec![v]).collect();
+        for group in groups {
+            for &j in group {
+                rows[j as usize].extend(group.iter().filter(|&&i| i > j));
+            }
+        }
+        for r in &mut rows {
+            r.sort_unstable();
+            r.dedup();
+        }
+        Self::with_rows(rows)
+    }
+
+    fn with_rows(rows: Vec<Vec<u32>>) -> Self {
+        let mut starts = vec![0];
+        let mut row_indices = Vec::new();
+        for r in &rows {
+            let scalar: Vec<usize> =
+                r.iter().flat_map(|&i| (0..3).map(move |k| 3 * i as usize + k)).collect();
+            for c in 0..3 {
+                row_indices.extend_from_slice(&scalar[c..]);
+                starts.push(row_indices.len());
+            }
+        }
+        let n = 3 * rows.len();
+        let values = vec![0.0; row_indices.len()];
+        let symbolic = SymbolicSparseColMat::new_checked(n, n, starts.clone(), None, row_indices);
+        Self { symbolic, values, rows, starts }
+    }
+
+    /// Sets all values to zero.
+    pub fn clear(&mut self) {
+        self.values.fill(0.0);
+    }
+
+    /// Adds a block; those above the diagonal are passed over.
+    pub fn add(&mut self, i: u32, j: u32, block: DMat3) {
+        if i < j {
+            return;
+        }
+        let Ok(place) = self.rows[j as usize].binary_search(&i) else {
+            debug_assert!(false, "block {i} {j} was not announced by couplings()");
+            return;
+        };
+        for c in 0..3 {
+            let column = block.col(c);
+            let first = self.starts[3 * j as usize + c] + 3 * place;
+            let skip = if place == 0 { c } else { 0 };
+            for r in skip..3 {
+                self.values[first + r - c] += column[r];
+            }
+        }
+    }
+
+    /// Adds `shift` to the diagonal.
+    pub fn shift(&mut self, shift: f64) {
+        for column in 0..self.starts.len() - 1 {
+            self.values[self.starts[column]] += shift;
+        }
+    }
+
+    /// Mean of the diagonal.
+    pub fn mean_diagonal(&self) -> f64 {
+        let columns = self.starts.len() - 1;
+        self.starts[..columns].iter().map(|&s| self.values[s]).sum::<f64>() / columns.max(1) as f64
+    }
+
+    /// Where the values stand.
+    pub fn symbolic(&self) -> SymbolicSparseColMatRef<'_, usize> {
+        self.symbolic.as_ref()
+    }
+
+    /// The matrix (lower triangle).
+    pub fn matrix(&self) -> SparseColMatRef<'_, usize, f64> {
+        SparseColMatRef::new(self.symbolic.as_ref(), &self.values)
+    }
+
+    /// `vᵀ H v`.
+    pub fn quadratic(&self, v: &[DVec3]) -> f64 {
+        let mut sum = 0.0;
+        for (j, rows) in self.rows.iter().enumerate() {
+            for c in 0..3 {
+                let start = self.starts[3 * j + c];
+                let scalar = rows.iter().flat_map(|&i| (0..3).map(move |k| (i as usize, k))).skip(c);
+                for (n, (i, k)) in scalar.enumerate() {
+                    let term = self.values[start + n] * v[i][k] * v[j][c];
+                    sum += if n == 0 { term } else { 2.0 * term };
+                }
+            }
+        }
+        sum
+    }
+
+    #[cfg(test)]
+    pub fn to_dense(&self) -> Vec<Vec<f64>> {
+        let n = 3 * self.rows.len();
+        let mut dense = vec![vec![0.0; n]; n];
+        for column in 0..n {
+            let rows = self.symbolic.row_idx_of_col_raw(column);
+            for (k, &row) in rows.iter().enumerate() {
+                dense[row][column] = self.values[self.starts[column] + k];
+                dense[column][row] = dense[row][column];
+            }
+        }
+        dense
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_land_in_their_places() {
+        let mut h = Hessian::new(3, &[vec![2, 0]]);
+        let block = DMat3::from_cols_array(&[1., 2., 3., 4., 5., 6., 7., 8., 9.]);
+        h.add(2, 0, block);
+        h.add(0, 2, block); // the upper one: passed over
+        h.add(1, 1, DMat3::IDENTITY * 5.0);
+        h.shift(0.5);
+        let d = h.to_dense();
+        assert_eq!((d[6][0], d[7][0], d[8][0], d[6][1], d[6][2], d[0][8]), (1., 2., 3., 4., 7., 3.));
+        assert_eq!((d[3][3], d[4][4], d[3][4], d[0][0]), (5.5, 5.5, 0.0, 0.5));
+        let v = [DVec3::new(1., 2., 3.), DVec3::new(-1., 0., 2.), DVec3::new(0.5, 0.25, 4.)];
+        let flat: Vec<f64> = v.iter().flat_map(|p| p.to_array()).collect();
+        let dense: f64 =
+            (0..9).flat_map(|i| (0..9).map(move |j| (i, j))).map(|(i, j)| flat[i] * d[i][j] * flat[j]).sum();
+        assert!((h.quadratic(&v) - dense).abs() < 1e-12);
+    }
+}

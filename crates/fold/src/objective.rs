@@ -1,0 +1,96 @@
+//! The sum of all goals.
+
+use crate::goal::{Curvature, Goal, Gradient, HessianSink, Moves};
+use crate::hessian::Hessian;
+use glam::DVec3;
+
+/// All goals over one mesh, as one function to minimise.
+pub struct Objective<'a> {
+    vertices: usize,
+    goals: &'a [Box<dyn Goal>],
+}
+
+/// A gradient with the scale against which it is small.
+pub struct GradientSum {
+    /// ∂E/∂x per vertex, N.
+    pub sum: Vec<DVec3>,
+    magnitude: Vec<f64>,
+}
+
+impl GradientSum {
+    /// `‖Σ terms‖ / ‖Σ |terms|‖`: unbalanced force over the forces that are at work, the residual measure
+    /// of structural mechanics. 0 where no force is at work.
+    pub fn relative(&self) -> f64 {
+        let scale: f64 = self.magnitude.iter().map(|m| m * m).sum();
+        if scale == 0.0 { 0.0 } else { (norm_squared(&self.sum) / scale).sqrt() }
+    }
+}
+
+/// Sum of the squared lengths.
+pub(crate) fn norm_squared(v: &[DVec3]) -> f64 {
+    v.iter().map(|p| p.length_squared()).sum()
+}
+
+impl<'a> Objective<'a> {
+    /// The goals over a mesh of `vertices` vertices.
+    pub fn new(vertices: usize, goals: &'a [Box<dyn Goal>]) -> Self {
+        Self { vertices, goals }
+    }
+
+    /// Energy with the membrane scaled by `membrane`.
+    pub fn energy(&self, x: &[DVec3], membrane: f64) -> f64 {
+        self.goals.iter().map(|g| scale_of(g.as_ref(), membrane) * g.energy(x)).sum()
+    }
+
+    /// Energy of each goal by name.
+    pub fn energies(&self, x: &[DVec3]) -> Vec<(String, f64)> {
+        self.goals.iter().map(|g| (g.name().to_owned(), g.energy(x))).collect()
+    }
+
+    /// Gradient with the membrane scaled by `membrane`.
+    pub fn gradient(&self, x: &[DVec3], membrane: f64) -> GradientSum {
+        let mut sum = vec![DVec3::ZERO; self.vertices];
+        let mut magnitude = vec![0.0; self.vertices];
+        for g in self.goals {
+            let scale = scale_of(g.as_ref(), membrane);
+            g.add_gradient(x, &mut Gradient { sum: &mut sum, magnitude: &mut magnitude, scale });
+        }
+        GradientSum { sum, magnitude }
+    }
+
+    /// A zero Hessian with the goals' pattern.
+    pub fn empty_hessian(&self) -> Hessian {
+        let groups: Vec<Vec<u32>> = self.goals.iter().flat_map(|g| g.couplings()).collect();
+        Hessian::new(self.vertices, &groups)
+    }
+
+    /// Fills a Hessian.
+    pub fn fill_hessian(&self, x: &[DVec3], curvature: Curvature, membrane: f64, matrix: &mut Hessian) {
+        matrix.clear();
+        for g in self.goals {
+            let scale = scale_of(g.as_ref(), membrane);
+            g.add_hessian(x, curvature, &mut HessianSink { matrix, scale });
+        }
+    }
+
+    /// The moves of eq. 4: `Σ w G` and `Σ w` per vertex.
+    pub fn moves(&self, x: &[DVec3]) -> (Vec<DVec3>, Vec<f64>) {
+        let mut weighted = vec![DVec3::ZERO; self.vertices];
+        let mut weights = vec![0.0; self.vertices];
+        for g in self.goals {
+            g.add_moves(x, &mut Moves { weighted: &mut weighted, weights: &mut weights });
+        }
+        (weighted, weights)
+    }
+
+    #[cfg(test)]
+    pub(crate) fn hessian(&self, x: &[DVec3], curvature: Curvature, membrane: f64) -> Hessian {
+        let mut matrix = self.empty_hessian();
+        self.fill_hessian(x, curvature, membrane, &mut matrix);
+        matrix
+    }
+}
+
+fn scale_of(goal: &dyn Goal, membrane: f64) -> f64 {
+    if goal.is_membrane() { membrane } else { 1.0 }
+}
