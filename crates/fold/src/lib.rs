@@ -19,7 +19,7 @@ mod testing;
 
 pub use address::{AddressError, SheetPoint, locate, nearest_boundary_vertices, on_loop};
 pub use analyse::{Verdict, analyse};
-pub use goal::{Anchor, ClampLength, EdgeLengths, Goal, Hinges, OnPlane};
+pub use goal::{Anchor, ClampLength, EdgeLengths, Goal, Hinges, OnPlane, Part, Scales};
 pub use material::SheetMaterial;
 pub use newton::NewtonOptions;
 pub use objective::Objective;

@@ -1,10 +1,10 @@
 //! Newton's method with a softened start: the default solver.
 //!
 //! The membrane's stiffness is ramped up (a stiff sheet locks near its flat start, a soft one finds the
-//! folded shape). Each step solves `H d = −∇E` by a supernodal LLᵀ whose symbolic part is made once: the true
+//! folded shape), and so is the pull of anchors, bands and planes (at full strength they would crush the soft sheet). Each step solves `H d = −∇E` by a supernodal LLᵀ whose symbolic part is made once: the true
 //! Hessian where it is positive definite, else the Gauss-Newton one with a small shift; Armijo's rule on the energy.
 
-use crate::goal::Curvature;
+use crate::goal::{Curvature, Scales};
 use crate::hessian::Hessian;
 use crate::objective::Objective;
 use crate::{FoldError, Iteration};
@@ -17,8 +17,8 @@ use softfold_geometry::SolveRecord;
 /// Options of the Newton solver.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewtonOptions {
-    /// Membrane scales from the start to the end; the last should be 1.
-    pub membrane_ramp: Vec<f64>,
+    /// Scales from the start to the end; the last should be [`Scales::FULL`].
+    pub ramp: Vec<Scales>,
     /// Stop when the relative gradient is below this.
     pub relative_gradient: f64,
     /// Relative gradient that ends a softened stage.
@@ -30,7 +30,9 @@ pub struct NewtonOptions {
 impl Default for NewtonOptions {
     fn default() -> Self {
         Self {
-            membrane_ramp: vec![1e-2, 1e-1, 1.0],
+            ramp: [(1e-2, 1e-5), (1e-1, 1e-4), (1.0, 1e-3), (1.0, 1e-2), (1.0, 1e-1), (1.0, 1.0)]
+                .map(|(membrane, hold)| Scales { membrane, hold })
+                .to_vec(),
             relative_gradient: 1e-7,
             softened_gradient: 1e-2,
             max_iterations: 400,
@@ -45,7 +47,11 @@ const MAX_HALVINGS: u32 = 30;
 /// First shift, relative to the mean diagonal: keeps rigid motions of a free sheet solvable.
 const FIRST_SHIFT: f64 = 1e-9;
 /// Growth of the shift after a failed factorisation.
-const SHIFT_GROWTH: f64 = 100.0;
+const SHIFT_GROWTH: f64 = 30.0;
+/// Decay of the shift after a successful one.
+const SHIFT_DECAY: f64 = 10.0;
+/// Factorisations of the true Hessian before the Gauss-Newton one is taken.
+const EXACT_TRIES: u32 = 4;
 /// Shift beyond which the step is a gradient step: giving up is honest.
 const LARGEST_SHIFT: f64 = 1e3;
 
@@ -55,6 +61,8 @@ struct Newton<'a> {
     hessian: Hessian,
     x: Vec<DVec3>,
     iterations: u32,
+    /// Shift of the true Hessian, relative to its mean diagonal.
+    shift: f64,
 }
 
 /// How a stage ended.
@@ -76,12 +84,12 @@ pub fn minimise(
 ) -> Result<(Vec<DVec3>, SolveRecord), FoldError> {
     let hessian = objective.empty_hessian();
     let symbolic = SymbolicLlt::try_new(hessian.symbolic(), Side::Lower).map_err(factorisation)?;
-    let mut newton = Newton { objective, symbolic, hessian, x: start.to_vec(), iterations: 0 };
+    let mut newton = Newton { objective, symbolic, hessian, x: start.to_vec(), iterations: 0, shift: 0.0 };
     let mut stop = Stop::Converged;
-    for (i, &membrane) in options.membrane_ramp.iter().enumerate() {
-        let last = i + 1 == options.membrane_ramp.len();
+    for (i, &scales) in options.ramp.iter().enumerate() {
+        let last = i + 1 == options.ramp.len();
         let target = if last { options.relative_gradient } else { options.softened_gradient };
-        stop = newton.stage(membrane, target, options.max_iterations, watch)?;
+        stop = newton.stage(scales, target, options.max_iterations, watch)?;
     }
     Ok(newton.finish(&stop, options))
 }
@@ -89,45 +97,64 @@ pub fn minimise(
 impl Newton<'_> {
     fn stage(
         &mut self,
-        membrane: f64,
+        scales: Scales,
         target: f64,
         budget: u32,
         watch: &mut dyn FnMut(Iteration),
     ) -> Result<Stop, FoldError> {
-        let mut gradient = self.objective.gradient(&self.x, membrane);
+        let mut gradient = self.objective.gradient(&self.x, scales);
         while gradient.relative() > target {
             if self.iterations >= budget {
                 return Ok(Stop::Budget);
             }
-            if !self.step(&gradient.sum, membrane)? {
+            if !self.step(&gradient.sum, scales)? {
                 return Ok(Stop::NoDescent);
             }
             self.iterations += 1;
-            gradient = self.objective.gradient(&self.x, membrane);
-            let energy = self.objective.energy(&self.x, membrane);
+            gradient = self.objective.gradient(&self.x, scales);
+            let energy = self.objective.energy(&self.x, scales);
             watch(Iteration { number: self.iterations, energy, relative_gradient: gradient.relative() });
         }
         Ok(Stop::Converged)
     }
 
     /// One step; false if no decrease was found along it.
-    fn step(&mut self, gradient: &[DVec3], membrane: f64) -> Result<bool, FoldError> {
-        self.objective.fill_hessian(&self.x, Curvature::Exact, membrane, &mut self.hessian);
-        if let Ok(direction) = self.solve(gradient)
-            && self.search(&direction, gradient, membrane)
+    fn step(&mut self, gradient: &[DVec3], scales: Scales) -> Result<bool, FoldError> {
+        if let Some(direction) = self.exact_direction(gradient, scales)
+            && self.search(&direction, gradient, scales)
         {
             return Ok(true);
         }
-        let direction = self.convex_direction(gradient, membrane)?;
-        Ok(self.search(&direction, gradient, membrane))
+        let direction = self.convex_direction(gradient, scales)?;
+        Ok(self.search(&direction, gradient, scales))
     }
 
-    fn convex_direction(&mut self, gradient: &[DVec3], membrane: f64) -> Result<Vec<DVec3>, FoldError> {
-        self.objective.fill_hessian(&self.x, Curvature::Convex, membrane, &mut self.hessian);
-        let scale = self.hessian.mean_diagonal();
+    /// The true Hessian's step, with the least shift of a few that makes it definite: a sheet that can
+    /// still swing has slightly negative directions, and only the true Hessian sees them.
+    fn exact_direction(&mut self, gradient: &[DVec3], scales: Scales) -> Option<Vec<DVec3>> {
+        self.objective.fill_hessian(&self.x, Curvature::Exact, scales, &mut self.hessian);
+        let unit = self.hessian.mean_diagonal();
+        let mut applied = 0.0;
+        for _ in 0..EXACT_TRIES {
+            self.hessian.shift((self.shift - applied) * unit);
+            applied = self.shift;
+            if let Ok(direction) = self.solve(gradient) {
+                self.shift = if self.shift > FIRST_SHIFT { self.shift / SHIFT_DECAY } else { 0.0 };
+                return Some(direction);
+            }
+            self.shift = (self.shift * SHIFT_GROWTH).max(FIRST_SHIFT);
+        }
+        self.shift /= SHIFT_GROWTH;
+        None
+    }
+
+    /// The Gauss-Newton step with the least shift that makes it solvable.
+    fn convex_direction(&mut self, gradient: &[DVec3], scales: Scales) -> Result<Vec<DVec3>, FoldError> {
+        self.objective.fill_hessian(&self.x, Curvature::Convex, scales, &mut self.hessian);
+        let unit = self.hessian.mean_diagonal();
         let mut shift = FIRST_SHIFT;
         loop {
-            self.hessian.shift(shift * scale);
+            self.hessian.shift(shift * unit);
             match self.solve(gradient) {
                 Ok(direction) => return Ok(direction),
                 Err(e) if shift > LARGEST_SHIFT => return Err(e),
@@ -145,16 +172,16 @@ impl Newton<'_> {
     }
 
     /// Moves along `direction` by Armijo's rule; false if it leads nowhere down.
-    fn search(&mut self, direction: &[DVec3], gradient: &[DVec3], membrane: f64) -> bool {
+    fn search(&mut self, direction: &[DVec3], gradient: &[DVec3], scales: Scales) -> bool {
         let slope: f64 = direction.iter().zip(gradient).map(|(d, g)| d.dot(*g)).sum();
         if slope.is_nan() || slope >= 0.0 {
             return false;
         }
-        let before = self.objective.energy(&self.x, membrane);
+        let before = self.objective.energy(&self.x, scales);
         let mut length = 1.0;
         for _ in 0..MAX_HALVINGS {
             let trial: Vec<DVec3> = self.x.iter().zip(direction).map(|(x, d)| *x + length * *d).collect();
-            let after = self.objective.energy(&trial, membrane);
+            let after = self.objective.energy(&trial, scales);
             // Near the solution the decrease drowns in the energy's rounding.
             let rounding = 4.0 * f64::EPSILON * before.abs();
             if after <= before + ARMIJO * length * slope + rounding {
@@ -167,8 +194,8 @@ impl Newton<'_> {
     }
 
     fn finish(self, stop: &Stop, options: &NewtonOptions) -> (Vec<DVec3>, SolveRecord) {
-        let membrane = options.membrane_ramp.last().copied().unwrap_or(1.0);
-        let relative_gradient = self.objective.gradient(&self.x, membrane).relative();
+        let scales = options.ramp.last().copied().unwrap_or(Scales::FULL);
+        let relative_gradient = self.objective.gradient(&self.x, scales).relative();
         let why = match stop {
             Stop::Converged => format!("relative gradient below {:e}", options.relative_gradient),
             Stop::Budget => format!("budget of {} iterations spent", options.max_iterations),
@@ -177,7 +204,7 @@ impl Newton<'_> {
         let record = SolveRecord {
             solver: "newton".into(),
             iterations: self.iterations,
-            energy: self.objective.energy(&self.x, membrane),
+            energy: self.objective.energy(&self.x, scales),
             relative_gradient,
             converged: relative_gradient <= options.relative_gradient,
             stop: why,

@@ -1,6 +1,6 @@
 //! The sum of all goals.
 
-use crate::goal::{Curvature, Goal, Gradient, HessianSink, Moves};
+use crate::goal::{Curvature, Goal, Gradient, HessianSink, Moves, Scales};
 use crate::hessian::Hessian;
 use glam::DVec3;
 
@@ -37,9 +37,9 @@ impl<'a> Objective<'a> {
         Self { vertices, goals }
     }
 
-    /// Energy with the membrane scaled by `membrane`.
-    pub fn energy(&self, x: &[DVec3], membrane: f64) -> f64 {
-        self.goals.iter().map(|g| scale_of(g.as_ref(), membrane) * g.energy(x)).sum()
+    /// Energy with the parts scaled.
+    pub fn energy(&self, x: &[DVec3], scales: Scales) -> f64 {
+        self.goals.iter().map(|g| scales.of(g.part()) * g.energy(x)).sum()
     }
 
     /// Energy of each goal by name.
@@ -47,12 +47,12 @@ impl<'a> Objective<'a> {
         self.goals.iter().map(|g| (g.name().to_owned(), g.energy(x))).collect()
     }
 
-    /// Gradient with the membrane scaled by `membrane`.
-    pub fn gradient(&self, x: &[DVec3], membrane: f64) -> GradientSum {
+    /// Gradient with the parts scaled.
+    pub fn gradient(&self, x: &[DVec3], scales: Scales) -> GradientSum {
         let mut sum = vec![DVec3::ZERO; self.vertices];
         let mut magnitude = vec![0.0; self.vertices];
         for g in self.goals {
-            let scale = scale_of(g.as_ref(), membrane);
+            let scale = scales.of(g.part());
             g.add_gradient(x, &mut Gradient { sum: &mut sum, magnitude: &mut magnitude, scale });
         }
         GradientSum { sum, magnitude }
@@ -65,10 +65,10 @@ impl<'a> Objective<'a> {
     }
 
     /// Fills a Hessian.
-    pub fn fill_hessian(&self, x: &[DVec3], curvature: Curvature, membrane: f64, matrix: &mut Hessian) {
+    pub fn fill_hessian(&self, x: &[DVec3], curvature: Curvature, scales: Scales, matrix: &mut Hessian) {
         matrix.clear();
         for g in self.goals {
-            let scale = scale_of(g.as_ref(), membrane);
+            let scale = scales.of(g.part());
             g.add_hessian(x, curvature, &mut HessianSink { matrix, scale });
         }
     }
@@ -84,13 +84,9 @@ impl<'a> Objective<'a> {
     }
 
     #[cfg(test)]
-    pub(crate) fn hessian(&self, x: &[DVec3], curvature: Curvature, membrane: f64) -> Hessian {
+    pub(crate) fn hessian(&self, x: &[DVec3], curvature: Curvature, scales: Scales) -> Hessian {
         let mut matrix = self.empty_hessian();
-        self.fill_hessian(x, curvature, membrane, &mut matrix);
+        self.fill_hessian(x, curvature, scales, &mut matrix);
         matrix
     }
-}
-
-fn scale_of(goal: &dyn Goal, membrane: f64) -> f64 {
-    if goal.is_membrane() { membrane } else { 1.0 }
 }

@@ -1,6 +1,7 @@
 //! The paper's eq. 4 as printed: `P ← P + Σ w G / Σ w`, optionally with Kangaroo-like momentum.
 
 use crate::Iteration;
+use crate::goal::Scales;
 use crate::objective::Objective;
 use glam::DVec3;
 use softfold_geometry::SolveRecord;
@@ -36,13 +37,13 @@ pub fn minimise(
     let mut x = start.to_vec();
     let mut velocity = vec![DVec3::ZERO; x.len()];
     let mut number = 0;
-    let mut relative_gradient = objective.gradient(&x, 1.0).relative();
+    let mut relative_gradient = objective.gradient(&x, Scales::FULL).relative();
     while relative_gradient > options.relative_gradient && number < options.max_iterations {
         step(objective, options.momentum, &mut x, &mut velocity);
         number += 1;
         if number % LOOK_EVERY == 0 || number == options.max_iterations {
-            relative_gradient = objective.gradient(&x, 1.0).relative();
-            watch(Iteration { number, energy: objective.energy(&x, 1.0), relative_gradient });
+            relative_gradient = objective.gradient(&x, Scales::FULL).relative();
+            watch(Iteration { number, energy: objective.energy(&x, Scales::FULL), relative_gradient });
         }
     }
     let record = record(objective, &x, number, relative_gradient, options);
@@ -80,7 +81,7 @@ fn record(
     SolveRecord {
         solver: "relax".into(),
         iterations,
-        energy: objective.energy(x, 1.0),
+        energy: objective.energy(x, Scales::FULL),
         relative_gradient,
         converged,
         stop,

@@ -114,6 +114,49 @@ impl UniformBicubic {
         }
     }
 
+    /// The surface through `values` at the knots of its domain: `(count[0] − 2)·(count[1] − 2)` of them, v inner, the
+    /// first at `origin + spacing`. Both directions are solved one after the other, `(1, 4, 1)/6` between poles and
+    /// values; the third difference of the poles vanishes at each end, so parabolas come out exactly everywhere.
+    ///
+    /// # Errors
+    /// Fewer than five poles one way, or another number of values than the lattice has.
+    pub fn interpolating(
+        origin: DVec2,
+        spacing_mm: f64,
+        count: [usize; 2],
+        values: &[DVec3],
+    ) -> Result<Self, CheckError> {
+        if count.iter().any(|&n| n < 5) || values.len() != (count[0] - 2) * (count[1] - 2) {
+            let fault = format!("{} values do not fill a lattice of {count:?} poles (least 5)", values.len());
+            return Err(CheckError::new("UniformBicubic", fault));
+        }
+        let inner = count[1] - 2;
+        let rows: Vec<_> = values.chunks(inner).flat_map(interpolating_poles).collect();
+        let mut poles = vec![DVec3::ZERO; count[0] * count[1]];
+        for j in 0..count[1] {
+            let column: Vec<_> = (0..count[0] - 2).map(|i| rows[i * count[1] + j]).collect();
+            for (i, pole) in interpolating_poles(&column).into_iter().enumerate() {
+                poles[i * count[1] + j] = pole;
+            }
+        }
+        Ok(Self { origin, spacing_mm, count, poles })
+    }
+
+    /// The same surface over the same domain with half the spacing (exact knot insertion).
+    pub fn refined(&self) -> Self {
+        let rows: Vec<_> = self.poles.chunks(self.count[1]).map(halved).collect();
+        let count = self.count.map(|n| 2 * n - 3);
+        let mut poles = vec![DVec3::ZERO; count[0] * count[1]];
+        for j in 0..count[1] {
+            let column: Vec<_> = rows.iter().map(|row| row[j]).collect();
+            for (i, pole) in halved(&column).into_iter().enumerate() {
+                poles[i * count[1] + j] = pole;
+            }
+        }
+        let spacing_mm = 0.5 * self.spacing_mm;
+        Self { origin: self.origin + spacing_mm, spacing_mm, count, poles }
+    }
+
     /// The contract of this type.
     ///
     /// # Errors
@@ -143,6 +186,36 @@ fn basis(t: f64) -> [[f64; 4]; 3] {
         [-s * s / 2.0, t * (3.0 * t - 4.0) / 2.0, -s * (3.0 * s - 4.0) / 2.0, t * t / 2.0],
         [s, 3.0 * t - 2.0, 3.0 * s - 2.0, t],
     ]
+}
+
+/// Poles of the uniform cubic through `values` at its inner knots, two more than values.
+///
+/// With `p₀ − 3p₁ + 3p₂ − p₃ = 0` the first two equations `p₀ + 4p₁ + p₂ = 6f₁` and `p₁ + 4p₂ + p₃ = 6f₂` leave
+/// `p₁ − p₂ = f₁ − f₂`, and likewise at the other end: the system stays tridiagonal.
+fn interpolating_poles(values: &[DVec3]) -> Vec<DVec3> {
+    let n = values.len();
+    // Forward sweep: p[i] = right[i] - upper[i] * p[i + 1].
+    let (mut upper, mut right) = (vec![-1.0; n], vec![values[0] - values[1]; n]);
+    for i in 1..n - 1 {
+        let pivot = 4.0 - upper[i - 1];
+        upper[i] = 1.0 / pivot;
+        right[i] = (6.0 * values[i] - right[i - 1]) / pivot;
+    }
+    let mut poles = vec![DVec3::ZERO; n + 2];
+    poles[n] = (values[n - 1] - values[n - 2] + right[n - 2]) / (1.0 + upper[n - 2]);
+    for i in (0..n - 1).rev() {
+        poles[i + 1] = right[i] - upper[i] * poles[i + 2];
+    }
+    poles[0] = 3.0 * (poles[1] - poles[2]) + poles[3];
+    poles[n + 1] = 3.0 * (poles[n] - poles[n - 1]) + poles[n - 2];
+    poles
+}
+
+/// Poles of the same uniform cubic with half the knot distance, over the same domain.
+fn halved(poles: &[DVec3]) -> Vec<DVec3> {
+    let edge = |i: usize| 0.5 * (poles[i] + poles[i + 1]);
+    let vertex = |i: usize| (poles[i - 1] + 6.0 * poles[i] + poles[i + 1]) / 8.0;
+    (1..2 * poles.len() - 2).map(|k| if k % 2 == 1 { edge(k / 2) } else { vertex(k / 2) }).collect()
 }
 
 #[cfg(test)]
@@ -189,5 +262,48 @@ mod tests {
         let [k1, k2] = p.principal_curvatures();
         assert!((k1 - 0.1).abs() < 1e-12 && k2.abs() < 1e-12, "{k1} {k2}");
         assert!(p.normal().distance(DVec3::Z) < 1e-12);
+    }
+
+    #[test]
+    fn interpolation_goes_through_its_values_and_keeps_parabolas() {
+        let f = |p: DVec2| DVec3::new(p.x, p.y - p.x * p.x, p.x * p.y + 0.3 * p.y * p.y);
+        let (origin, spacing_mm, count) = (DVec2::new(1.0, -2.0), 0.5, [9, 5]);
+        let knots =
+            (0..7 * 3).map(|k| origin + spacing_mm * DVec2::new((1 + k / 3) as f64, (1 + k % 3) as f64));
+        let values: Vec<_> = knots.map(f).collect();
+        let s = UniformBicubic::interpolating(origin, spacing_mm, count, &values).unwrap();
+        s.check().unwrap();
+        for uv in [DVec2::new(1.5, -1.5), DVec2::new(2.71, -1.03), s.domain().1] {
+            assert!(s.at(uv).position.distance(f(uv)) < 1e-12, "{uv}");
+        }
+        assert!(UniformBicubic::interpolating(origin, spacing_mm, [9, 6], &values).is_err());
+    }
+
+    #[test]
+    fn interpolation_is_of_fourth_order_inside() {
+        let f = |p: DVec2| DVec3::new(p.x, p.y, p.x.sin() * p.y.cos());
+        let error = |n: usize| {
+            let h = 6.0 / n as f64;
+            let knots =
+                (0..(n + 1) * (n + 1)).map(|k| h * DVec2::new((k / (n + 1)) as f64, (k % (n + 1)) as f64));
+            let values: Vec<_> = knots.map(f).collect();
+            let s = UniformBicubic::interpolating(DVec2::splat(-h), h, [n + 3; 2], &values).unwrap();
+            let probes = (0..50).map(|k| DVec2::new(2.0 + 0.037 * k as f64, 3.9 - 0.031 * k as f64));
+            probes.map(|p| s.at(p).position.distance(f(p))).fold(0.0, f64::max)
+        };
+        let rate = (error(20) / error(40)).log2();
+        assert!(rate > 3.7, "{rate}");
+    }
+
+    #[test]
+    fn refining_changes_no_point() {
+        let s = lattice(|p| DVec3::new(p.x.sin(), p.y.cos(), p.x * p.y * p.y));
+        let r = s.refined();
+        r.check().unwrap();
+        assert_eq!(r.domain(), s.domain());
+        for uv in [s.domain().0, DVec2::new(-1.13, 4.21), s.domain().1] {
+            assert!(r.at(uv).position.distance(s.at(uv).position) < 1e-12);
+            assert!(r.at(uv).second[1].distance(s.at(uv).second[1]) < 1e-10);
+        }
     }
 }

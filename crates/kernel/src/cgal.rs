@@ -113,7 +113,8 @@ pub fn distances_to_mesh(points: &[[f64; 3]], mesh: MeshView<'_>) -> Result<Vec<
     check::mesh(OPERATION, mesh)?;
     check::finite(OPERATION, "point", points)?;
     let (positions, triangles) = flat(mesh);
-    ffi::distances_to_mesh(points.as_flattened(), positions, triangles).map_err(Library::Cgal.failure(OPERATION))
+    ffi::distances_to_mesh(points.as_flattened(), positions, triangles)
+        .map_err(Library::Cgal.failure(OPERATION))
 }
 
 /// Union, intersection or difference of two closed, outward oriented meshes; the result is closed and outward
@@ -141,7 +142,9 @@ pub fn extrude(mesh: MeshView<'_>, vector: [f64; 3]) -> Result<MeshBuffers> {
     check::mesh(OPERATION, mesh)?;
     check::vector(OPERATION, "the vector", vector)?;
     let (positions, triangles) = flat(mesh);
-    ffi::extrude(positions, triangles, vector).map(MeshBuffers::from).map_err(Library::Cgal.failure(OPERATION))
+    ffi::extrude(positions, triangles, vector)
+        .map(MeshBuffers::from)
+        .map_err(Library::Cgal.failure(OPERATION))
 }
 
 /// A closed manifold mesh around any set of triangles, `offset_mm` away from it; openings narrower than `alpha_mm` are
@@ -193,7 +196,9 @@ fn wrap_is_feasible(operation: &'static str, mesh: MeshView<'_>, alpha_mm: f64) 
     if size / alpha_mm <= MOST_ALPHAS_ACROSS {
         return Ok(());
     }
-    let message = format!("alpha_mm {alpha_mm} is too small for a mesh of {size} mm; raise it above {}",
-        size / MOST_ALPHAS_ACROSS);
+    let message = format!(
+        "alpha_mm {alpha_mm} is too small for a mesh of {size} mm; raise it above {}",
+        size / MOST_ALPHAS_ACROSS
+    );
     Err(KernelError::input(operation, message))
 }

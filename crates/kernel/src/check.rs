@@ -49,7 +49,9 @@ pub(crate) fn positive(operation: &'static str, what: &str, value: f64) -> Resul
 
 /// Refuses a length that is negative or no number.
 pub(crate) fn not_negative(operation: &'static str, what: &str, value: f64) -> Result<()> {
-    require(operation, value.is_finite() && value >= 0.0, || format!("{what} must not be below 0, not {value}"))
+    require(operation, value.is_finite() && value >= 0.0, || {
+        format!("{what} must not be below 0, not {value}")
+    })
 }
 
 /// Refuses a vector of no length.

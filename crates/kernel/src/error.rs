@@ -72,6 +72,10 @@ impl KernelError {
 impl Library {
     /// Turns what C++ threw into an error of `operation`.
     pub(crate) fn failure(self, operation: &'static str) -> impl FnOnce(cxx::Exception) -> KernelError {
-        move |exception| KernelError::Failed { library: self, operation, message: exception.what().to_owned() }
+        move |exception| KernelError::Failed {
+            library: self,
+            operation,
+            message: exception.what().to_owned(),
+        }
     }
 }

@@ -14,8 +14,8 @@ mod error;
 
 pub mod cgal;
 pub mod occt;
-pub mod opensubdiv;
 pub mod openmesh;
+pub mod opensubdiv;
 
 pub use buffers::{BooleanOperation, MeshBuffers, MeshView};
 pub use error::{KernelError, Library, Result};

@@ -55,9 +55,11 @@ pub fn clean(mesh: MeshView<'_>, merge_mm: f64) -> Result<Cleaned> {
     })
 }
 
-/// Fewer triangles by half-edge collapses, cheapest quadric first. Every vertex of the input stays within `max_error_mm`
-/// of the result, every vertex of the result is one of the input, no normal turns over, and a closed manifold stays
-/// one.
+/// Fewer triangles by half-edge collapses, cheapest quadric first. Every vertex of the result is one of the input, no
+/// normal turns over, and a closed manifold stays one.
+///
+/// The bound holds both ways: no vertex of the input is farther than `max_error_mm` from the result, and no place on
+/// the result, as far as a grid of points on every triangle of every step tells, farther than that from the input.
 ///
 /// # Errors
 /// A mesh that is no oriented manifold (see [`clean`]); a bound that is not positive.

@@ -1,1 +1,180 @@
-//! mesh
+//! Meshing: soft pattern in, flat mesh with classified edges out.
+//!
+//! The paper's steps: points along creases and outline, points inside, constrained Delaunay triangulation,
+//! relaxation with crease and outline points held. Bands are meshed in rows along their strips, so no
+//! triangle crosses a fold line; edges know their fold line from the constraint they came from.
+
+mod cdt;
+mod crosscheck;
+mod graph;
+mod inside;
+mod interior;
+mod quality;
+mod relax;
+mod rings;
+mod rng;
+mod size;
+
+pub use cdt::{Backend, Constraint, PlanarGraph, Triangulated, triangulate};
+pub use crosscheck::{Crosscheck, crosscheck};
+pub use quality::{Quality, quality};
+
+use glam::DVec2;
+use graph::GraphBuilder;
+use softfold_geometry::{CheckError, EdgeClass, FlatMesh, LoopId, SoftPattern, VertexId};
+use std::collections::BTreeMap;
+
+/// Options of the mesher.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshOptions {
+    /// Edge length wished for away from bands, mm.
+    pub target_edge_mm: f64,
+    /// Length of a triangle along a band over its strip's width.
+    pub band_aspect: f64,
+    /// Growth of the edge length per mm of distance from a band.
+    pub grading: f64,
+    /// Rounds of relaxation.
+    pub relaxation_rounds: u32,
+    /// Seed of the points inside.
+    pub seed: u64,
+    /// Which triangulation.
+    pub backend: Backend,
+}
+
+impl Default for MeshOptions {
+    fn default() -> Self {
+        Self {
+            target_edge_mm: 20.0,
+            band_aspect: 1.4,
+            grading: 0.25,
+            relaxation_rounds: 12,
+            seed: 1,
+            backend: Backend::Spade,
+        }
+    }
+}
+
+/// A mesh with the planar graph it was made from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Meshed {
+    /// The classified mesh.
+    pub mesh: FlatMesh,
+    /// Points and constraints, for the cross-check.
+    pub graph: PlanarGraph,
+}
+
+/// Why a mesh cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum MeshError {
+    /// An option is out of its range.
+    #[error("mesh.{name} is {value}; it must be {range}")]
+    Option {
+        /// Name in the project file.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// Two constraints cross away from their ends.
+    #[error("{} crosses {} near ({:.3}, {:.3}) mm; move the creases apart or make the radius smaller", describe(.first), describe(.second), at.x, at.y)]
+    Crossing {
+        /// One constraint.
+        first: Constraint,
+        /// The other.
+        second: Constraint,
+        /// Where.
+        at: DVec2,
+    },
+    /// The mesh would be larger than memory allows.
+    #[error(
+        "mesh.target_edge_mm = {target_edge_mm} asks for about {vertices:.0} vertices, more than {limit}; make it larger"
+    )]
+    TooMany {
+        /// The option.
+        target_edge_mm: f64,
+        /// Vertices expected.
+        vertices: f64,
+        /// Most that are made.
+        limit: u32,
+    },
+    /// The triangulation refused its input.
+    #[error("triangulation: {0}")]
+    Triangulation(String),
+    /// The C++ side refused.
+    #[error(transparent)]
+    Kernel(#[from] softfold_kernel::KernelError),
+    /// The result breaks its contract: a defect.
+    #[error(transparent)]
+    Check(#[from] CheckError),
+}
+
+fn describe(constraint: &Constraint) -> String {
+    match constraint {
+        Constraint::Fold { crease, line, .. } => format!("fold line {line} of crease {crease}"),
+        Constraint::Boundary { loop_id } if loop_id.0 == 0 => "the outline".to_owned(),
+        Constraint::Boundary { loop_id } => format!("hole {loop_id}"),
+    }
+}
+
+/// More vertices than this are refused: the solver would need hundreds of gigabytes.
+const MOST_VERTICES: u32 = 4_000_000;
+/// Vertices per unit of area over squared edge length: equilateral triangles have 2/√3.
+const VERTEX_DENSITY: f64 = 1.1547;
+
+/// Meshes a soft pattern.
+///
+/// # Errors
+/// [`MeshError`]: options out of range, constraints that cross, too many vertices.
+pub fn mesh(soft: &SoftPattern, options: &MeshOptions) -> Result<Meshed, MeshError> {
+    check_options(soft, options)?;
+    let sizes = size::SizeField::new(soft, options);
+    let (mut points, graph_constraints, mut sites) = GraphBuilder::new(soft, options, &sizes).build();
+    let held = points.len();
+    let polygons = graph::boundary_polygons(&points, &graph_constraints, soft.loops.len());
+    interior::scatter(&mut points, &polygons, &sizes, options.seed);
+    sites.resize(points.len(), softfold_geometry::Site::Interior);
+    let mut graph = PlanarGraph { points, constraints: graph_constraints };
+    let mut triangulated = triangulate(&graph, options.backend)?;
+    for _ in 0..options.relaxation_rounds {
+        relax::round(&mut graph.points, held, &triangulated.triangles);
+        triangulated = triangulate(&graph, options.backend)?;
+    }
+    let mesh = classified(&graph, sites, triangulated.triangles);
+    mesh.check()?;
+    Ok(Meshed { mesh, graph })
+}
+
+fn classified(
+    graph: &PlanarGraph,
+    sites: Vec<softfold_geometry::Site>,
+    triangles: Vec<[VertexId; 3]>,
+) -> FlatMesh {
+    let known: BTreeMap<[VertexId; 2], Constraint> =
+        graph.constraints.iter().map(|(e, c)| ([e[0].min(e[1]), e[0].max(e[1])], *c)).collect();
+    FlatMesh::new(graph.points.clone(), sites, triangles, |edge, boundary| match known.get(&edge) {
+        Some(Constraint::Fold { crease, line, turn_rad }) if !boundary => {
+            EdgeClass::Fold { crease: *crease, line: *line, turn_rad: *turn_rad }
+        }
+        Some(Constraint::Boundary { loop_id }) if boundary => EdgeClass::Boundary { loop_id: *loop_id },
+        // A boundary that no constraint made, or the reverse, is left for check() to find.
+        _ if boundary => EdgeClass::Boundary { loop_id: LoopId(u32::MAX) },
+        _ => EdgeClass::Facet,
+    })
+}
+
+fn check_options(soft: &SoftPattern, options: &MeshOptions) -> Result<(), MeshError> {
+    let positive = |name, value: f64| match value.is_finite() && value > 0.0 {
+        true => Ok(()),
+        false => Err(MeshError::Option { name, value, range: "a positive number" }),
+    };
+    positive("target_edge_mm", options.target_edge_mm)?;
+    positive("band_aspect", options.band_aspect)?;
+    positive("grading", options.grading)?;
+    let vertices = VERTEX_DENSITY * soft.area_mm2() / options.target_edge_mm.powi(2);
+    if vertices > f64::from(MOST_VERTICES) {
+        let target_edge_mm = options.target_edge_mm;
+        return Err(MeshError::TooMany { target_edge_mm, vertices, limit: MOST_VERTICES });
+    }
+    Ok(())
+}

@@ -1,1 +1,51 @@
-//! mold
+//! From the folded sheet's surface to the things that are made: the thick [`Board`] and whether it stands, the [`Mold`]
+//! with its printable parts, and the [`Waffle`] of boards that carries the mold.
+//!
+//! Values in, values out: no files, no printing, no clock; same input, same result, on any number of threads.
+//! Lengths are mm, z is up, angles are radians unless a name says `_deg`.
+//!
+//! ```text
+//! SheetSurface ── make_board ──► Board ── stability_of_board ──► Stability
+//!       └─────── make_mold ───► Mold { pose, shape, parts, waffle { boards, nest } }
+//! ```
+//! Inside: `samples` looks at a surface inside its trim, `top` triangulates it, `split` cuts it along the grid that
+//! `grid` chose, `parts` makes solids of the pieces, `tool` makes one solid of all that is cut out of a piece.
+
+mod board;
+mod cap;
+mod contour;
+mod error;
+mod glyphs;
+mod grid;
+mod height;
+mod marks;
+mod mold;
+mod nest;
+mod parts;
+mod plan;
+mod pose;
+mod rest;
+mod samples;
+mod spline;
+mod split;
+mod stability;
+mod tool;
+mod top;
+mod waffle;
+
+#[cfg(test)]
+mod shapes;
+
+pub use board::{Board, BoardOptions, Placement, SkinRadius, make_board};
+pub use contour::{Contour, ProfileSegment};
+pub use error::MoldError;
+pub use grid::{Cell, Grid};
+pub use marks::MarkOptions;
+pub use mold::{Mold, MoldOptions, make_mold};
+pub use nest::{Nest, Placed, Sheet, StockOptions, nest};
+pub use parts::Part;
+pub use pose::{MoldPose, PoseChoice, Undercut, find_pose};
+pub use rest::{Rest, rest, rest_of_board};
+pub use spline::face as sheet_face;
+pub use stability::{Stability, stability, stability_of_board};
+pub use waffle::{DroppedBoard, Waffle, WaffleBoard, WaffleOptions};

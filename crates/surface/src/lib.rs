@@ -1,1 +1,31 @@
-//! surface
+//! From the folded sheet to its surface: one quad lattice over the flat sheet is a Catmull-Clark cage, whose limit, a
+//! uniform bicubic B-spline in (u, v), is fitted to the folded vertices and trimmed by the flat outline.
+//!
+//! Values in, values out: no files, no printing, no clock; same input, same poles. Lengths are mm, angles radians.
+//!
+//! ```text
+//! FoldedSheet + trim ── fit ──► Fitted { SheetSurface, Cage } ── analyse ──► SurfaceAnalysis
+//! ```
+//! Inside: `samples` lists what to fit, `lattice` lays the cage, `system` holds the sparse normal equations, `bending`
+//! their smoothing term, `fitting` solves one lattice, `search` finds its spacing, `scale` reads the mesh's own.
+
+mod analyse;
+mod bending;
+mod error;
+mod fitting;
+mod lattice;
+mod samples;
+mod scale;
+mod search;
+mod system;
+
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
+
+pub use analyse::{Extreme, SurfaceAnalysis, analyse};
+pub use error::SurfaceError;
+pub use lattice::Cage;
+
+pub use search::{Fitted, SurfaceOptions, fit};

@@ -1,6 +1,6 @@
 //! A point of the sheet held at a place in space.
 
-use super::{Curvature, Goal, Gradient, HessianSink, Moves};
+use super::{Curvature, Goal, Gradient, HessianSink, Moves, Part};
 use crate::SheetPoint;
 use glam::{DMat3, DVec3};
 
@@ -31,6 +31,10 @@ impl Goal for Anchor {
 
     fn kind(&self) -> &'static str {
         "Anchor"
+    }
+
+    fn part(&self) -> Part {
+        Part::Hold
     }
 
     fn couplings(&self) -> Vec<Vec<u32>> {

@@ -1,6 +1,6 @@
 //! An elastic band between two points of the sheet.
 
-use super::{Curvature, Goal, Gradient, HessianSink, Moves, outer};
+use super::{Curvature, Goal, Gradient, HessianSink, Moves, Part, outer};
 use crate::SheetPoint;
 use glam::{DMat3, DVec3};
 
@@ -40,6 +40,10 @@ impl Goal for ClampLength {
 
     fn kind(&self) -> &'static str {
         "ClampLengths"
+    }
+
+    fn part(&self) -> Part {
+        Part::Hold
     }
 
     fn couplings(&self) -> Vec<Vec<u32>> {

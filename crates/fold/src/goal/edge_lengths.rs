@@ -1,6 +1,6 @@
 //! Edges keep their flat lengths: the membrane.
 
-use super::{Curvature, Goal, Gradient, HessianSink, Moves, outer};
+use super::{Curvature, Goal, Gradient, HessianSink, Moves, Part, outer};
 use glam::{DMat3, DVec3};
 use softfold_geometry::{EdgeId, FlatMesh};
 
@@ -48,8 +48,8 @@ impl Goal for EdgeLengths {
         "EdgeLengths"
     }
 
-    fn is_membrane(&self) -> bool {
-        true
+    fn part(&self) -> Part {
+        Part::Membrane
     }
 
     fn couplings(&self) -> Vec<Vec<u32>> {

@@ -1,6 +1,6 @@
 //! Edges turn by their rest angles: bending and fold lines.
 
-use super::{Curvature, Goal, Gradient, HessianSink, Moves, cross_matrix, outer};
+use super::{Curvature, Goal, Gradient, HessianSink, Moves, Part, cross_matrix, outer};
 use glam::{DMat3, DVec3};
 use softfold_geometry::{Edge, EdgeId, FlatMesh};
 use std::f64::consts::{PI, TAU};
@@ -150,6 +150,10 @@ impl Goal for Hinges {
 
     fn kind(&self) -> &'static str {
         "Hinge"
+    }
+
+    fn part(&self) -> Part {
+        Part::Bending
     }
 
     fn couplings(&self) -> Vec<Vec<u32>> {

@@ -15,6 +15,40 @@ pub use on_plane::OnPlane;
 use crate::hessian::Hessian;
 use glam::{DMat3, DVec3};
 
+/// The part a goal plays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Keeps the sheet from stretching.
+    Membrane,
+    /// Bends and folds it.
+    Bending,
+    /// Holds or pulls it from outside.
+    Hold,
+}
+
+/// Factors on the goals' energies, by part; bending is never scaled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// Factor on the membrane.
+    pub membrane: f64,
+    /// Factor on what holds the sheet.
+    pub hold: f64,
+}
+
+impl Scales {
+    /// The energy as it is.
+    pub const FULL: Self = Self { membrane: 1.0, hold: 1.0 };
+
+    /// Factor for a part.
+    pub fn of(self, part: Part) -> f64 {
+        match part {
+            Part::Membrane => self.membrane,
+            Part::Bending => 1.0,
+            Part::Hold => self.hold,
+        }
+    }
+}
+
 /// Which Hessian is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curvature {
@@ -32,10 +66,8 @@ pub trait Goal: Send + Sync {
     /// Kind for the report: the type's name.
     fn kind(&self) -> &'static str;
 
-    /// Whether this is the membrane's stiffness, which the softened start ramps up.
-    fn is_membrane(&self) -> bool {
-        false
-    }
+    /// Which part it plays, by which the softened start scales it.
+    fn part(&self) -> Part;
 
     /// Groups of vertices that the Hessian couples.
     fn couplings(&self) -> Vec<Vec<u32>>;
@@ -122,8 +154,8 @@ pub(crate) mod testing {
     pub(crate) fn prove(goal: Box<dyn Goal>, x: &[DVec3], tolerance: f64) {
         let goals = [goal];
         let objective = Objective::new(x.len(), &goals);
-        let gradient = objective.gradient(x, 1.0).sum;
-        let hessian = objective.hessian(x, Curvature::Exact, 1.0).to_dense();
+        let gradient = objective.gradient(x, Scales::FULL).sum;
+        let hessian = objective.hessian(x, Curvature::Exact, Scales::FULL).to_dense();
         let scale = 1e-9 + gradient.iter().map(|g| g.length()).fold(0.0, f64::max);
         let stiffness = 1e-9 + hessian.iter().flatten().fold(0.0_f64, |m, h| m.max(h.abs()));
         let e = 1e-4;
@@ -134,13 +166,14 @@ pub(crate) mod testing {
                 y
             };
             let (p, m) = (moved(e), moved(-e));
-            let slope = (objective.energy(&p, 1.0) - objective.energy(&m, 1.0)) / (2.0 * e);
+            let slope = (objective.energy(&p, Scales::FULL) - objective.energy(&m, Scales::FULL)) / (2.0 * e);
             assert!(
                 (slope - gradient[i / 3][i % 3]).abs() < tolerance * (scale + stiffness * e),
                 "gradient {i}: {slope} {}",
                 gradient[i / 3][i % 3]
             );
-            let (gp, gm) = (objective.gradient(&p, 1.0).sum, objective.gradient(&m, 1.0).sum);
+            let (gp, gm) =
+                (objective.gradient(&p, Scales::FULL).sum, objective.gradient(&m, Scales::FULL).sum);
             for j in 0..3 * x.len() {
                 let d = (gp[j / 3][j % 3] - gm[j / 3][j % 3]) / (2.0 * e);
                 assert!(

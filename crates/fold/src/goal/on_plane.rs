@@ -1,6 +1,6 @@
 //! Vertices kept in a plane.
 
-use super::{Curvature, Goal, Gradient, HessianSink, Moves, outer};
+use super::{Curvature, Goal, Gradient, HessianSink, Moves, Part, outer};
 use glam::DVec3;
 
 /// `E = ½ Σ k ((x − o)·n)²`, N·mm, over the vertices; Kangaroo's *OnPlane*.
@@ -31,6 +31,10 @@ impl Goal for OnPlane {
 
     fn kind(&self) -> &'static str {
         "OnPlane"
+    }
+
+    fn part(&self) -> Part {
+        Part::Hold
     }
 
     fn couplings(&self) -> Vec<Vec<u32>> {

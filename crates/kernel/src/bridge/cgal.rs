@@ -24,7 +24,16 @@ mod ffi {
     }
 
     unsafe extern "C++" {
-        include!("cgal/operations.h");
+        include!("trycatch.h");
+        include!("cgal/constrained_delaunay.h");
+        include!("cgal/convex_hull.h");
+        include!("cgal/isotropic_remesh.h");
+        include!("cgal/self_intersections.h");
+        include!("cgal/distances_to_mesh.h");
+        include!("cgal/boolean.h");
+        include!("cgal/extrude.h");
+        include!("cgal/alpha_wrap.h");
+        include!("cgal/closed_check.h");
         fn constrained_delaunay(points: &[f64], constraints: &[u32]) -> Result<FlatTriangulation>;
         fn convex_hull(points: &[f64]) -> Result<Vec<u32>>;
         fn isotropic_remesh(

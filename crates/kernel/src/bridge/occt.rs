@@ -10,7 +10,22 @@ mod ffi {
 
     #[namespace = ""]
     unsafe extern "C++" {
-        include!("occt/operations.h");
+        include!("occt/trycatch.h");
+        include!("occt/messages.h");
+        include!("occt/version.h");
+        include!("occt/copy.h");
+        include!("occt/surface_at.h");
+        include!("occt/trimmed_face.h");
+        include!("occt/board_solid.h");
+        include!("occt/prism.h");
+        include!("occt/extruded_polygon.h");
+        include!("occt/boolean.h");
+        include!("occt/transformed.h");
+        include!("occt/check.h");
+        include!("occt/mass_properties.h");
+        include!("occt/triangulate.h");
+        include!("occt/write_step.h");
+        include!("occt/read_step.h");
         type TopoDS_Shape = opencascade_sys::topo_ds::TopoDS_Shape;
     }
 

@@ -17,7 +17,10 @@ mod ffi {
     }
 
     unsafe extern "C++" {
-        include!("openmesh/operations.h");
+        include!("trycatch.h");
+        include!("openmesh/read.h");
+        include!("openmesh/clean.h");
+        include!("openmesh/decimate.h");
         fn read(path: &str) -> Result<FlatMesh>;
         fn clean(positions: &[f64], triangles: &[u32], merge: f64) -> Result<CleanedMesh>;
         fn decimate(positions: &[f64], triangles: &[u32], max_error: f64) -> Result<FlatMesh>;

@@ -26,9 +26,12 @@ mod ffi {
     }
 
     unsafe extern "C++" {
-        include!("opensubdiv/operations.h");
+        include!("trycatch.h");
+        include!("opensubdiv/limit_stencils.h");
+        include!("opensubdiv/bspline_patches.h");
         /// Samples must come grouped by quad: `quads[i]` not descending.
-        fn limit_stencils(vertex_count: u32, cage: &[u32], quads: &[u32], st: &[f64]) -> Result<FlatStencils>;
+        fn limit_stencils(vertex_count: u32, cage: &[u32], quads: &[u32], st: &[f64])
+        -> Result<FlatStencils>;
         fn bspline_patches(vertex_count: u32, cage: &[u32]) -> Result<FlatPatches>;
     }
 }

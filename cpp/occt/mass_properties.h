@@ -1,0 +1,9 @@
+// Volume, area, center and inertia of a shape of density 1.
+#pragma once
+
+#include <TopoDS_Shape.hxx>
+
+namespace softfold::occt {
+struct Mass;
+Mass mass_properties(const TopoDS_Shape& shape);
+}  // namespace softfold::occt

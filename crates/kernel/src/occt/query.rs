@@ -1,0 +1,88 @@
+use super::shape::{Shape, run};
+use crate::bridge::occt as ffi;
+use crate::buffers::MeshBuffers;
+use crate::check as require;
+use crate::error::Result;
+use opencascade_sys::top_abs::TopAbs_ShapeEnum;
+use opencascade_sys::{top_exp, top_tools};
+
+/// How many different parts a shape has; a shared one counts once.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Solids.
+    pub solids: usize,
+    /// Shells.
+    pub shells: usize,
+    /// Faces.
+    pub faces: usize,
+    /// Edges.
+    pub edges: usize,
+}
+
+/// Measures of a shape of density 1.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MassProperties {
+    /// Volume in mm³; 0 without a solid.
+    pub volume_mm3: f64,
+    /// Area of all faces in mm².
+    pub area_mm2: f64,
+    /// Center of the volume, or of the area without a solid; mm.
+    pub center: [f64; 3],
+    /// Inertia about `center` along the axes: of the volume in mm⁵, or of the area in mm⁴. Rows.
+    pub inertia: [[f64; 3]; 3],
+}
+
+/// How many solids, shells, faces and edges it has.
+///
+/// # Errors
+/// None so far; a `Result` like every call here.
+pub fn counts(shape: &Shape) -> Result<Counts> {
+    Ok(Counts {
+        solids: count(shape, TopAbs_ShapeEnum::TopAbs_SOLID),
+        shells: count(shape, TopAbs_ShapeEnum::TopAbs_SHELL),
+        faces: count(shape, TopAbs_ShapeEnum::TopAbs_FACE),
+        edges: count(shape, TopAbs_ShapeEnum::TopAbs_EDGE),
+    })
+}
+
+/// By opencascade-sys itself: walking a shape throws nothing.
+fn count(shape: &Shape, kind: TopAbs_ShapeEnum) -> usize {
+    let mut found = top_tools::new_indexed_map_of_shape();
+    top_exp::TopExp::MapShapes(shape.raw(), kind, found.pin_mut());
+    usize::try_from(found.Extent()).unwrap_or(0)
+}
+
+/// Faults in words, `face 2: self-intersecting wire` for example; empty when the shape is valid.
+///
+/// # Errors
+/// Only if the check itself fails.
+pub fn check(shape: &Shape) -> Result<Vec<String>> {
+    run("occt::check", || ffi::check(shape.raw()))
+}
+
+/// Volume, area, center and inertia, right to about 1e-9 of themselves on B-spline solids.
+///
+/// # Errors
+/// An integration that does not converge.
+pub fn mass_properties(shape: &Shape) -> Result<MassProperties> {
+    let mass = run("occt::mass_properties", || ffi::mass_properties(shape.raw()))?;
+    let inertia = |row: usize| std::array::from_fn(|column| mass.inertia[3 * row + column]);
+    Ok(MassProperties {
+        volume_mm3: mass.volume,
+        area_mm2: mass.area,
+        center: mass.center,
+        inertia: std::array::from_fn(inertia),
+    })
+}
+
+/// Triangles off by at most `linear_mm` from the faces, and by `angular_rad` between neighbours along a curve. Faces
+/// that share an edge share its vertices: a solid gives a closed mesh.
+///
+/// # Errors
+/// Bounds that are not positive; a face that cannot be meshed.
+pub fn triangulate(shape: &Shape, linear_mm: f64, angular_rad: f64) -> Result<MeshBuffers> {
+    const OPERATION: &str = "occt::triangulate";
+    require::positive(OPERATION, "linear_mm", linear_mm)?;
+    require::positive(OPERATION, "angular_rad", angular_rad)?;
+    run(OPERATION, || ffi::triangulate(shape.raw(), linear_mm, angular_rad)).map(MeshBuffers::from)
+}

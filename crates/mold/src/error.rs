@@ -1,0 +1,125 @@
+use glam::{DVec2, DVec3};
+use softfold_geometry::CheckError;
+use softfold_kernel::KernelError;
+
+/// Why a board, a mold or a part could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MoldError {
+    /// An option has a value that makes no sense.
+    #[error("{option} is {value}; {mend}")]
+    Option {
+        /// The option, with its unit.
+        option: &'static str,
+        /// What it was set to.
+        value: f64,
+        /// What it should be.
+        mend: &'static str,
+    },
+    /// The sheet surface breaks its own contract.
+    #[error(transparent)]
+    Surface(#[from] CheckError),
+    /// The trim has no outline, or the outline lies outside the surface's domain.
+    #[error("the trim leaves nothing of the surface: {fault}; trim it by a closed outline inside its domain")]
+    NoSheet {
+        /// What is wrong.
+        fault: String,
+    },
+    /// A skin would fold over: the offset passes the centre of curvature.
+    #[error(
+        "the board's skin at {offset_mm:.2} mm passes the centre of curvature at (u, v) = ({:.1}, {:.1}), where the \
+         sheet's radius is {radius_mm:.2} mm; the thickest board that works is {largest_thickness_mm:.2} mm with this \
+         placement, or make the folds there rounder", at.x, at.y
+    )]
+    OffsetTooThick {
+        /// Place on the sheet, mm.
+        at: DVec2,
+        /// Signed distance of the skin from the sheet along its normal, mm.
+        offset_mm: f64,
+        /// Radius of the sheet there, mm.
+        radius_mm: f64,
+        /// Largest thickness whose skins stay clear of every centre of curvature, mm.
+        largest_thickness_mm: f64,
+    },
+    /// A library could not do its part.
+    #[error("{what}: {source}")]
+    Kernel {
+        /// What was being made, with the part's or board's name.
+        what: String,
+        /// The library's words.
+        source: KernelError,
+    },
+    /// A solid came out with faults.
+    #[error("{what} is no valid solid: {}", faults.join("; "))]
+    Invalid {
+        /// What was being made.
+        what: String,
+        /// The faults found.
+        faults: Vec<String>,
+    },
+    /// A part is larger than the printer.
+    #[error(
+        "part {name} measures {:.1} x {:.1} x {:.1} mm and does not fit the printer of {:.0} x {:.0} x {:.0} mm; \
+         choose smaller cells, about {smaller_mm:.0} mm instead of {cell_mm:.0} mm",
+        size_mm.x, size_mm.y, size_mm.z, printer_mm[0], printer_mm[1], printer_mm[2]
+    )]
+    PartTooLarge {
+        /// The part.
+        name: String,
+        /// Its box, mm.
+        size_mm: DVec3,
+        /// The printer's room, mm.
+        printer_mm: [f64; 3],
+        /// Side of the grid's squares, mm.
+        cell_mm: f64,
+        /// A side that would about do, mm.
+        smaller_mm: f64,
+    },
+    /// A waffle board is larger than the stock sheet.
+    #[error(
+        "waffle board {name} measures {:.0} x {:.0} mm and does not fit a stock sheet of {:.0} x {:.0} mm with its \
+         margin; use a larger sheet or turn the mold", size_mm.x, size_mm.y, stock_mm[0], stock_mm[1]
+    )]
+    BoardTooLarge {
+        /// The board.
+        name: String,
+        /// Its box, mm.
+        size_mm: DVec2,
+        /// The stock sheet, mm.
+        stock_mm: [f64; 2],
+    },
+}
+
+impl MoldError {
+    /// Whether softfold is at fault, not what the user asked for.
+    pub fn is_defect(&self) -> bool {
+        matches!(self, Self::Surface(_) | Self::NoSheet { .. } | Self::Kernel { .. })
+    }
+}
+
+/// Names what was being made when a library failed.
+pub(crate) trait During<T> {
+    /// The same result, with `what` in its error.
+    fn during(self, what: impl FnOnce() -> String) -> Result<T, MoldError>;
+}
+
+impl<T> During<T> for softfold_kernel::Result<T> {
+    fn during(self, what: impl FnOnce() -> String) -> Result<T, MoldError> {
+        self.map_err(|source| MoldError::Kernel { what: what(), source })
+    }
+}
+
+/// Refuses an option that is not a positive number.
+pub(crate) fn positive(option: &'static str, value: f64) -> Result<(), MoldError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(MoldError::Option { option, value, mend: "it must be a positive number" })
+}
+
+/// Refuses an option that is negative or no number.
+pub(crate) fn not_negative(option: &'static str, value: f64) -> Result<(), MoldError> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(MoldError::Option { option, value, mend: "it must be zero or a positive number" })
+}

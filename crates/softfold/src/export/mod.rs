@@ -1,0 +1,18 @@
+//! Writers of files: every function takes values and gives text or bytes; none touches a file.
+//!
+//! All lengths are written in millimetres. Same input, same bytes: no clock, no random ids, one way to
+//! print a number.
+
+pub mod dxf;
+mod dxf_frame;
+mod error;
+pub mod fold;
+pub mod obj;
+pub mod ply;
+pub mod stl;
+pub mod svg;
+mod text;
+pub mod threemf;
+
+pub use error::ExportError;
+pub use text::{escape_xml, number};

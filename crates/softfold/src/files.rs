@@ -1,0 +1,218 @@
+//! The files of a run: what there is, under which name, and what it is for.
+
+use crate::export::dxf::{Drawing, Entity, Layer, colour};
+use crate::export::{fold, obj, ply, stl, threemf};
+use crate::output::Staging;
+use crate::pictures::{on_stock, pictures};
+use crate::report::{html, json, picture::Scale};
+use crate::stages::{Loaded, Results};
+use crate::{RunError, record};
+use softfold_geometry::{DVec2, DVec3, PlanarCurve, SoftPattern};
+use softfold_kernel::occt::{self, NamedShape, Shape, StepOptions, StepSchema};
+use softfold_mold::{Contour, Mold, Part, Placed, ProfileSegment, WaffleBoard};
+use std::path::Path;
+
+/// Chord error of curves in DXF, mm: what routers and CAM programs ask for.
+const DXF_CHORD_MM: f64 = 0.02;
+/// Colours of the STEP files (sRGB): plaster for sheet and board, blue for the mold.
+const SHEET_COLOUR: [f32; 3] = [0.87, 0.84, 0.78];
+const MOLD_COLOUR: [f32; 3] = [0.35, 0.52, 0.75];
+
+/// Collects files in the staging folder with what they are for.
+struct Writer<'a> {
+    staging: &'a Staging,
+    files: Vec<json::File>,
+    name: String,
+}
+
+/// Writes everything a run has made into `out` and gives the report. The folder is as it was if anything fails.
+///
+/// # Errors
+/// A folder that cannot be written.
+pub fn write(loaded: &Loaded, results: &Results, out: &Path) -> Result<json::Report, RunError> {
+    let staging = Staging::beside(out)?;
+    let mut writer = Writer { staging: &staging, files: Vec::new(), name: loaded.name() };
+    writer.patterns(results)?;
+    writer.meshes(results)?;
+    writer.surfaces(results)?;
+    if let Some(mold) = &results.mold {
+        writer.mold(mold, results.stock_mm)?;
+    }
+    let report = writer.report(loaded, results)?;
+    staging.publish()?;
+    Ok(report)
+}
+
+fn defect(error: impl std::fmt::Display) -> RunError {
+    RunError::Defect(error.to_string())
+}
+
+impl Writer<'_> {
+    fn add(&mut self, path: &str, purpose: &str, bytes: impl AsRef<[u8]>) -> Result<(), RunError> {
+        self.staging.write(path, bytes)?;
+        self.listed(path, purpose);
+        Ok(())
+    }
+
+    fn listed(&mut self, path: &str, purpose: &str) {
+        self.files.push(json::File { path: path.to_owned(), purpose: purpose.to_owned() });
+    }
+
+    fn step(&mut self, path: &str, purpose: &str, name: &str, shape: &Shape, color_srgb: [f32; 3]) -> Result<(), RunError> {
+        let options = StepOptions {
+            schema: StepSchema::Ap214,
+            product: name.to_owned(),
+            system: format!("softfold {}", env!("CARGO_PKG_VERSION")),
+            ..StepOptions::default()
+        };
+        let file = self.staging.path(path)?;
+        occt::write_step(&file, &[NamedShape { name, color_srgb, shape }], &options).map_err(defect)?;
+        self.listed(path, purpose);
+        Ok(())
+    }
+
+    fn patterns(&mut self, results: &Results) -> Result<(), RunError> {
+        if let Some(pattern) = &results.pattern {
+            self.add("pattern.svg", "the pattern as it was read", softfold_pattern::write_svg(pattern))?;
+            if let Some(soft) = &results.soft {
+                let drawing = softfold_soften::write_svg(pattern, soft);
+                self.add("soft.svg", "the pattern with its bands, fold lines and turns", drawing)?;
+                let blank = blank(soft).to_dxf().map_err(defect)?;
+                self.add("blank.dxf", "the flat sheet: outline to cut, fold lines to mark", blank)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn meshes(&mut self, results: &Results) -> Result<(), RunError> {
+        let Some(m) = &results.mesh else { return Ok(()) };
+        let mesh = &m.meshed.mesh;
+        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect();
+        let flat: Vec<DVec3> = mesh.vertices.iter().map(|p| p.extend(0.0)).collect();
+        self.add("flat.obj", "the flat mesh", obj::mesh(&self.name, &flat, &triangles))?;
+        let Some(f) = &results.fold else { return Ok(()) };
+        self.add("folded.obj", "the folded mesh", obj::mesh(&self.name, &f.sheet.positions, &triangles))?;
+        let creases: Vec<String> = results.pattern.iter().flat_map(|p| &p.creases).map(|c| c.name.clone()).collect();
+        let text = fold::folded(&f.sheet, fold::Titles { title: &self.name, creases: &creases }).map_err(defect)?;
+        self.add("folded.fold", "flat and folded mesh with creases and angles", text)?;
+        let Some(a) = &results.analyse else { return Ok(()) };
+        let v = &a.verdict;
+        let limit = v.area_error.iter().map(|e| e.value.abs()).fold(1e-6, f64::max);
+        let colours = Scale::diverging(limit).colours(&v.vertex_area_error);
+        let scalars = [
+            ply::Scalar { name: "area_error", values: &v.vertex_area_error },
+            ply::Scalar { name: "bend_radius", values: &v.vertex_bend_radius_mm },
+        ];
+        let bytes = ply::coloured(&self.name, &f.sheet.positions, &triangles, &colours, &scalars);
+        self.add("folded.ply", "the folded mesh coloured by area error", bytes)
+    }
+
+    fn surfaces(&mut self, results: &Results) -> Result<(), RunError> {
+        if let Some(s) = &results.surface {
+            let cage = &s.fitted.cage;
+            self.add("cage.obj", "the quad cage, for subdivision modelling", obj::cage(&self.name, &cage.positions, &cage.quads))?;
+            self.step("sheet.step", "the folded sheet's surface", "sheet", &s.face, SHEET_COLOUR)?;
+        }
+        match &results.board {
+            Some(board) => self.step("board.step", "the board as a solid", "board", &board.shape, SHEET_COLOUR),
+            None => Ok(()),
+        }
+    }
+
+    fn mold(&mut self, mold: &Mold, stock_mm: [f64; 2]) -> Result<(), RunError> {
+        self.step("mold.step", "the mold as a solid", "mold", &mold.shape, MOLD_COLOUR)?;
+        for part in &mold.parts {
+            self.part(part)?;
+        }
+        let waffle = waffle(mold, stock_mm).to_dxf().map_err(defect)?;
+        self.add("waffle.dxf", "the boards below the mold, nested on their sheets", waffle)
+    }
+
+    fn part(&mut self, part: &Part) -> Result<(), RunError> {
+        let name = &part.name;
+        let stl = stl::binary(name, &part.solid);
+        self.add(&format!("parts/{name}.stl"), "a printed part", stl)?;
+        let package = threemf::package(name, &[threemf::Object { name, mesh: &part.solid }]).map_err(defect)?;
+        self.add(&format!("parts/{name}.3mf"), "a printed part, named, in mm", package)?;
+        match &part.shape {
+            Some(shape) => {
+                let purpose = "a part as exact solid, without grooves and marks";
+                self.step(&format!("parts/{name}.step"), purpose, name, shape, MOLD_COLOUR)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The report is last: it lists all files, itself included.
+    fn report(&mut self, loaded: &Loaded, results: &Results) -> Result<json::Report, RunError> {
+        self.listed("report.json", "all figures");
+        self.listed("report.html", "figures and pictures on one page");
+        let mut report = record::report(loaded, results);
+        report.files = std::mem::take(&mut self.files);
+        self.staging.write("report.html", html::html(&report, &pictures(results)?))?;
+        self.staging.write("report.json", report.to_json().map_err(defect)?)?;
+        Ok(report)
+    }
+}
+
+/// Layers of the blank.
+const CUT: &str = "CUT_THROUGH";
+const FOLD: &str = "FOLD_LINES";
+/// Layers of the boards besides [`CUT`].
+const ENGRAVE: &str = "ENGRAVE";
+const SHEET: &str = "SHEET";
+
+fn blank(soft: &SoftPattern) -> Drawing {
+    let outline = |c: &PlanarCurve| Entity::lines(CUT, true, &c.flatten(DXF_CHORD_MM));
+    let folds = soft.bands.iter().flat_map(|b| &b.fold_lines).map(|l| Entity::lines(FOLD, false, &l.points));
+    Drawing {
+        layers: vec![Layer::new(CUT, colour::RED), Layer::new(FOLD, colour::BLUE)],
+        entities: soft.loops.iter().map(outline).chain(folds).collect(),
+    }
+}
+
+/// Space between two stock sheets on the drawing, mm.
+const SHEET_GAP_MM: f64 = 200.0;
+
+fn waffle(mold: &Mold, stock_mm: [f64; 2]) -> Drawing {
+    let mut entities = Vec::new();
+    let [length, width] = stock_mm;
+    for (i, sheet) in mold.waffle.nest.sheets.iter().enumerate() {
+        let corner = DVec2::new(0.0, i as f64 * (width + SHEET_GAP_MM));
+        let frame = [(0.0, 0.0), (length, 0.0), (length, width), (0.0, width)].map(|p| corner + DVec2::from(p));
+        entities.push(Entity::lines(SHEET, true, &frame));
+        for placed in &sheet.placed {
+            draw_board(&mut entities, &mold.waffle.boards[placed.board], placed, corner);
+        }
+    }
+    let layers = vec![Layer::new(CUT, colour::RED), Layer::new(ENGRAVE, colour::GREEN), Layer::new(SHEET, colour::GREY)];
+    Drawing { layers, entities }
+}
+
+fn draw_board(entities: &mut Vec<Entity>, board: &WaffleBoard, placed: &Placed, corner: DVec2) {
+    let at = |p: DVec2| on_stock(&[p], board, placed)[0] + corner;
+    for contour in &board.profile {
+        entities.push(Entity::Polyline { layer: CUT.to_owned(), closed: true, vertices: bulged(contour, &at) });
+    }
+    for stroke in &board.engrave {
+        let points: Vec<DVec2> = stroke.iter().map(|p| at(*p)).collect();
+        entities.push(Entity::lines(ENGRAVE, false, &points));
+    }
+}
+
+/// Vertices with bulges: the tangent of a quarter of the arc's angle.
+fn bulged(contour: &Contour, at: &impl Fn(DVec2) -> DVec2) -> Vec<[f64; 3]> {
+    let vertex = |s: &ProfileSegment| {
+        let p = at(s.from());
+        let bulge = match *s {
+            ProfileSegment::Line { .. } => 0.0,
+            ProfileSegment::Arc { from, to, center, ccw } => {
+                let (a, b) = (from - center, to - center);
+                let turn = if ccw { a.angle_to(b) } else { b.angle_to(a) }.rem_euclid(std::f64::consts::TAU);
+                (0.25 * turn).tan() * if ccw { 1.0 } else { -1.0 }
+            }
+        };
+        [p.x, p.y, bulge]
+    };
+    contour.segments.iter().map(vertex).collect()
+}

@@ -1,0 +1,20 @@
+//! softfold: from a crease pattern with curved creases to a folded, thick, fabricable object.
+//!
+//! [`project`] says what is asked for, [`stages`] runs the stages in their order, [`record`] turns their results into
+//! the [`report`], [`files`] writes them through [`export`] into a folder that [`output`] swaps in when it is whole.
+
+pub mod error;
+pub mod export;
+pub mod files;
+pub mod output;
+pub mod pictures;
+pub mod progress;
+pub mod project;
+pub mod record;
+pub mod report;
+pub mod stages;
+pub mod starter;
+
+pub use error::RunError;
+pub use project::Project;
+pub use stages::{Loaded, Results, Stage, run};

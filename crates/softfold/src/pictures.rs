@@ -1,0 +1,141 @@
+//! The pictures of the report.
+
+use crate::RunError;
+use crate::report::html::{Picture, Pictures};
+use crate::report::picture::{Colours, INK, PLAIN, Scale, Scene, SceneLine, SceneMesh, View, fitting_size, render};
+use crate::report::plans::{self, PlanBoard, PlanPart, StockSheet};
+use crate::stages::{AnalyseResult, FoldResult, Results};
+use softfold_geometry::{DVec2, DVec3, EdgeClass, FoldedSheet, polygon};
+use softfold_mold::{Mold, Placed, WaffleBoard};
+
+/// Width of a view, px.
+const WIDTH_PX: u32 = 620;
+/// Heights allowed, px.
+const HEIGHTS_PX: std::ops::RangeInclusive<u32> = 320..=980;
+/// Chord error of drawn curves, mm.
+const CHORD_MM: f64 = 0.2;
+
+/// All pictures of a run.
+///
+/// # Errors
+/// A picture that cannot be encoded: a defect.
+pub fn pictures(results: &Results) -> Result<Pictures, RunError> {
+    let mut pictures = Pictures::default();
+    if let Some(pattern) = &results.pattern {
+        pictures.flat_pattern_svg = plans::pattern_svg(pattern);
+    }
+    if let Some(soft) = &results.soft {
+        pictures.soft_pattern_svg = plans::soft_pattern_svg(soft);
+    }
+    if let (Some(fold), Some(analyse)) = (&results.fold, &results.analyse) {
+        pictures.views = views(fold, analyse)?;
+    }
+    if let (Some(rest), Some(fold)) = (&results.stability, &results.fold) {
+        let plan: Vec<DVec2> = fold.sheet.positions.iter().map(|p| rest.rest_from_pose.point(*p).truncate()).collect();
+        let s = &rest.stability;
+        pictures.stability_svg = plans::stability_svg(&s.hull, s.barycenter_mm.truncate(), &hull(&plan)?);
+    }
+    if let Some(mold) = &results.mold {
+        pictures.parts_svg = parts_plan(mold);
+        pictures.boards_svg = boards_plan(mold, results.stock_mm);
+    }
+    Ok(pictures)
+}
+
+fn hull(points: &[DVec2]) -> Result<Vec<DVec2>, RunError> {
+    let flat: Vec<[f64; 2]> = points.iter().map(|p| p.to_array()).collect();
+    let corners = softfold_kernel::cgal::convex_hull(&flat).map_err(|e| RunError::Defect(e.to_string()))?;
+    Ok(corners.into_iter().map(|i| points[i as usize]).collect())
+}
+
+fn views(fold: &FoldResult, analyse: &AnalyseResult) -> Result<Vec<Picture>, RunError> {
+    let verdict = &analyse.verdict;
+    let limit = verdict.area_error.iter().map(|e| e.value.abs()).fold(1e-6, f64::max);
+    let area = Scale::diverging(limit);
+    let ends = [format!("{:+.2} %", -100.0 * limit), format!("{:+.2} %", 100.0 * limit)];
+    let area_legend = area.legend("area error", ends);
+    let radius = Scale::logarithmic(RADIUS_SCALE_MM[0], RADIUS_SCALE_MM[1]);
+    let ends = RADIUS_SCALE_MM.map(|r| format!("{r:.0} mm"));
+    let radius_legend = radius.legend("bend radius", ends);
+    let mut views = Vec::new();
+    for view in View::standard() {
+        views.push(shot(&fold.sheet, &view, None, "folded sheet")?);
+    }
+    for view in View::standard() {
+        let colours = area.colours(&verdict.vertex_area_error);
+        views.push(Picture { legend: Some(area_legend.clone()), ..shot(&fold.sheet, &view, Some(colours), "area error")? });
+    }
+    for view in View::standard().into_iter().take(2) {
+        let colours = radius.colours(&verdict.vertex_bend_radius_mm);
+        views.push(Picture { legend: Some(radius_legend.clone()), ..shot(&fold.sheet, &view, Some(colours), "bend radius")? });
+    }
+    Ok(views)
+}
+
+/// Ends of the colour scale of bend radii, mm: tighter than any soft fold, flatter than any eye sees.
+const RADIUS_SCALE_MM: [f64; 2] = [20.0, 5000.0];
+
+fn shot(sheet: &FoldedSheet, view: &View, colours: Option<Vec<[u8; 3]>>, what: &str) -> Result<Picture, RunError> {
+    let mesh = SceneMesh {
+        positions: sheet.positions.clone(),
+        triangles: sheet.mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect(),
+        colours: colours.map_or(Colours::Uniform(PLAIN), Colours::PerVertex),
+    };
+    let scene = Scene { meshes: vec![mesh], lines: lines(sheet), ground_mm: Some(0.0) };
+    let size = fitting_size(&scene, view, WIDTH_PX, HEIGHTS_PX);
+    let png = render(&scene, view, size).map_err(|e| RunError::Defect(e.to_string()))?;
+    Ok(Picture { title: format!("{what}, {}", view.name), png, legend: None })
+}
+
+fn lines(sheet: &FoldedSheet) -> Vec<SceneLine> {
+    let line = |e: &softfold_geometry::Edge| {
+        let width_px = match e.class {
+            EdgeClass::Boundary { .. } => 1.8,
+            EdgeClass::Fold { .. } => 0.7,
+            EdgeClass::Facet | EdgeClass::Free => return None,
+        };
+        let points: Vec<DVec3> = e.vertices.iter().map(|v| sheet.position(*v)).collect();
+        Some(SceneLine { points, colour: INK, width_px })
+    };
+    sheet.mesh.edges.iter().filter_map(line).collect()
+}
+
+fn parts_plan(mold: &Mold) -> String {
+    let part = |p: &softfold_mold::Part| {
+        let [x0, y0, x1, y1] = p.footprint_mm;
+        let outline = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(DVec2::from).to_vec();
+        PlanPart { name: p.name.clone(), outline }
+    };
+    let board = |b: &WaffleBoard| {
+        let end = |x: f64| b.placement.point(DVec3::new(x, 0.0, 0.0)).truncate();
+        PlanBoard { name: b.name.clone(), ends: [end(0.0), end(b.size_mm.x)] }
+    };
+    let parts: Vec<_> = mold.parts.iter().map(part).collect();
+    let boards: Vec<_> = mold.waffle.boards.iter().map(board).collect();
+    plans::parts_svg(&parts, &mold.plan, &boards)
+}
+
+fn boards_plan(mold: &Mold, stock_mm: [f64; 2]) -> String {
+    let waffle = &mold.waffle;
+    let sheet = |s: &softfold_mold::Sheet| StockSheet {
+        size_mm: DVec2::from(stock_mm),
+        cuts: s.placed.iter().map(|p| cut(&waffle.boards[p.board], p)).collect(),
+    };
+    plans::boards_svg(&waffle.nest.sheets.iter().map(sheet).collect::<Vec<_>>())
+}
+
+fn cut(board: &WaffleBoard, placed: &Placed) -> (String, Vec<DVec2>) {
+    let outline = board.profile.first().map(|c| c.flatten(CHORD_MM)).unwrap_or_default();
+    (board.name.clone(), on_stock(&outline, board, placed))
+}
+
+/// Points of a board's profile where the board lies on its stock sheet.
+pub(crate) fn on_stock(points: &[DVec2], board: &WaffleBoard, placed: &Placed) -> Vec<DVec2> {
+    let corners: Vec<DVec2> = board.profile.iter().flat_map(|c| c.flatten(CHORD_MM)).collect();
+    let (lo, hi) = polygon::bounds(&corners);
+    let place = |p: &DVec2| {
+        let q = *p - lo;
+        placed.position_mm + if placed.rotated { DVec2::new(hi.y - lo.y - q.y, q.x) } else { q }
+    };
+    points.iter().map(place).collect()
+}

@@ -1,0 +1,340 @@
+//! From results to the report: figures as they are, and verdicts against the project's limits.
+
+use crate::report::json;
+use crate::stages::{AnalyseResult, FoldResult, Loaded, MeshResult, Results, SurfaceResult, band_figures};
+use softfold_geometry::{Crease, CreasePattern, DVec2, DVec3};
+use softfold_mold::{Board, Mold, Rest};
+use softfold_soften::CreaseSoftness;
+
+/// The report of a run; its list of files is empty.
+pub fn report(loaded: &Loaded, results: &Results) -> json::Report {
+    let mut report = json::Report::new(pattern(results));
+    report.mesh = results.mesh.as_ref().map(mesh);
+    report.fold = results.fold.as_ref().map(|f| fold(results, f));
+    report.analyse = results.analyse.as_ref().map(|a| analyse(loaded, results, a));
+    report.surface = results.surface.as_ref().map(surface);
+    report.board = results.board.as_ref().map(board);
+    report.stability = results.stability.as_ref().map(|s| stability(results, s));
+    report.mold = results.mold.as_ref().map(mold);
+    report.verdicts = verdicts(loaded, results);
+    report.stages =
+        results.seconds.iter().map(|(name, seconds)| json::Stage { name: (*name).to_owned(), seconds: *seconds }).collect();
+    report
+}
+
+fn pair(p: DVec2) -> [f64; 2] {
+    p.to_array()
+}
+
+fn triple(p: DVec3) -> [f64; 3] {
+    p.to_array()
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn pattern(results: &Results) -> json::Pattern {
+    let Some(pattern) = &results.pattern else { return json::Pattern::default() };
+    json::Pattern {
+        name: pattern.name.clone(),
+        creases: creases(pattern, &results.softness),
+        area_mm2: pattern.area_mm2(),
+        issues: results.issues.iter().map(json::Issue::from).collect(),
+    }
+}
+
+fn creases(pattern: &CreasePattern, softness: &[CreaseSoftness]) -> Vec<json::Crease> {
+    let figures = band_figures(softness);
+    let one = |(i, c): (usize, &Crease)| {
+        let band = figures.get(i).copied().flatten();
+        let soft = softness.get(i);
+        json::Crease {
+            name: c.name.clone(),
+            role: c.role.letter().to_string(),
+            length_mm: c.curve.length_mm(),
+            fold_angle_deg: soft.map_or(0.0, |s| s.fold_angle_rad.to_degrees()),
+            radius_mm: soft.map_or(0.0, |s| s.radius_mm),
+            segments: band.map_or(0, |b| b.segments),
+            chord_mm: band.map_or(0.0, |b| b.chord_mm),
+            band_width_mm: band.map_or(0.0, |b| b.band_width_mm),
+            arc_mm: band.map_or(0.0, |b| b.arc_length_mm),
+        }
+    };
+    pattern.creases.iter().enumerate().map(one).collect()
+}
+
+fn mesh(m: &MeshResult) -> json::Mesh {
+    let c = &m.crosscheck;
+    json::Mesh {
+        vertices: m.meshed.mesh.vertices.len(),
+        triangles: m.meshed.mesh.triangles.len(),
+        min_angle_deg: m.quality.min_angle_deg,
+        median_min_angle_deg: m.quality.median_min_angle_deg,
+        backend: m.backend.name().to_owned(),
+        crosscheck: Some(json::Crosscheck {
+            constraints_held: c.constraints_held,
+            area_relative_difference: c.area_relative_difference,
+            cocircular_differences: c.cocircular_differences.len(),
+            other_differences: c.other_differences.len(),
+        }),
+    }
+}
+
+fn fold(results: &Results, f: &FoldResult) -> json::Fold {
+    let solve = &f.sheet.solve;
+    let goal = |g: &crate::stages::GoalFigure| json::Goal {
+        name: g.name.clone(),
+        kind: g.kind.to_owned(),
+        energy: g.energy,
+        residual_mm: (g.kind != "Hinge").then_some(g.residual),
+    };
+    let mut fold = json::Fold {
+        solver: solve.solver.clone(),
+        iterations: solve.iterations,
+        seconds: results.seconds.iter().find(|s| s.0 == "fold").map_or(0.0, |s| s.1),
+        energy: solve.energy,
+        relative_gradient: solve.relative_gradient,
+        converged: solve.converged,
+        stop: solve.stop.clone(),
+        hoop_estimate: hoop_estimate(results),
+        goals: f.goals.iter().map(goal).collect(),
+        ..json::Fold::default()
+    };
+    if let Some(a) = &results.analyse {
+        let v = &a.verdict;
+        fold.max_edge_strain = v.max_edge_strain.value;
+        [fold.area_error_min, fold.area_error_max] = v.area_error.map(|e| e.value);
+        [fold.area_error_min_at, fold.area_error_max_at] = v.area_error.map(|e| pair(e.at));
+        fold.turn_error_max_deg = v.max_turn_error_rad.value.to_degrees();
+        fold.self_intersections = a.self_intersections;
+    }
+    fold
+}
+
+/// Places along a crease at which its curvature is looked at.
+const CURVATURE_SAMPLES: u32 = 400;
+
+/// Largest δ/R over the creases: δ = 2 r (sin α − α cos α), 2α the fold angle, and R = cos α / κ the crease's radius in
+/// space where its flat curvature κ is largest.
+fn hoop_estimate(results: &Results) -> Option<f64> {
+    let pattern = results.pattern.as_ref()?;
+    let estimate = |(crease, soft): (&Crease, &CreaseSoftness)| {
+        let at = |k: u32| crease.curve.length_mm() * f64::from(k) / f64::from(CURVATURE_SAMPLES);
+        let flat = (0..=CURVATURE_SAMPLES).map(|k| crease.curve.curvature(at(k)).abs()).fold(0.0, f64::max);
+        let alpha = 0.5 * soft.fold_angle_rad.abs();
+        let excess_mm = 2.0 * soft.radius_mm * (alpha.sin() - alpha * alpha.cos());
+        excess_mm * flat / alpha.cos()
+    };
+    let largest = pattern.creases.iter().zip(&results.softness).map(estimate).fold(0.0, f64::max);
+    (largest > 0.0).then_some(largest)
+}
+
+fn analyse(loaded: &Loaded, results: &Results, a: &AnalyseResult) -> json::Analyse {
+    let v = &a.verdict;
+    let on_surface = results.surface.as_ref().map(|s| &s.analysis.min_radius_mm);
+    let (radius, at) = on_surface.map_or((v.min_bend_radius_mm.value, v.min_bend_radius_mm.at), |r| (r.value, r.at));
+    json::Analyse {
+        min_bend_radius_mm: finite(radius),
+        min_bend_radius_at: pair(at),
+        max_fibre_strain: 0.5 * loaded.project.board.thickness_mm / radius,
+        max_angle_defect_rad: v.max_angle_defect_rad.value,
+        principal_strain_min: v.principal_strain[0].value,
+        principal_strain_max: v.principal_strain[1].value,
+    }
+}
+
+fn surface(s: &SurfaceResult) -> json::Surface {
+    let surface = &s.fitted.surface;
+    json::Surface {
+        faces: 1,
+        poles: surface.spline.count,
+        spacing_mm: s.fitted.spacing_mm,
+        max_deviation_mm: surface.deviation.max_mm,
+        rms_deviation_mm: surface.deviation.rms_mm,
+        max_deviation_at: pair(surface.deviation.at),
+        face_distance_mm: s.face_distance_mm,
+        valid: s.faults.is_empty(),
+    }
+}
+
+fn board(b: &Board) -> json::Board {
+    json::Board {
+        thickness_mm: b.thickness_mm,
+        volume_mm3: b.volume_mm3,
+        area_mm2: b.area_mid_mm2,
+        area_times_thickness_mm3: b.area_mid_mm2 * b.thickness_mm,
+        mass_kg: b.mass_kg,
+        barycenter_mm: triple(b.barycenter_mm),
+        min_radius_mm: finite(b.min_radius_mm.iter().map(|r| r.radius_mm).fold(f64::INFINITY, f64::min)),
+        offset_error_mm: b.offset_error_mm,
+        // make_board refuses a solid that is not valid.
+        valid: true,
+    }
+}
+
+fn stability(results: &Results, rest: &Rest) -> json::Stability {
+    let s = &rest.stability;
+    let highest = results.fold.iter().flat_map(|f| &f.sheet.positions).map(|p| rest.rest_from_pose.point(*p).z);
+    let highest = highest.fold(f64::MIN, f64::max);
+    json::Stability {
+        stable: s.stable,
+        margin_mm: s.margin_mm,
+        tipping_angle_deg: s.tipping_angle_deg,
+        barycenter_mm: triple(s.barycenter_mm),
+        hull: s.hull.iter().map(|p| pair(*p)).collect(),
+        contact_points: s.contact_points,
+        height_mm: highest - s.ground_z_mm,
+        tilt_deg: rest.tilt_deg,
+    }
+}
+
+fn mold(m: &Mold) -> json::Mold {
+    let pose = &m.pose.mold_from_sheet;
+    json::Mold {
+        volume_mm3: m.volume_mm3,
+        pose_rotation: pose.rows(),
+        pose_translation_mm: triple(pose.translation),
+        height_mm: m.parts.iter().flat_map(|p| &p.solid.positions).map(|p| p.z).fold(0.0, f64::max),
+        least_draft_deg: m.pose.least_draft_deg,
+        undercuts: m.pose.undercuts.len(),
+        parts: m.parts.iter().map(part).collect(),
+        boards: m.waffle.boards.iter().map(waffle_board).collect(),
+        sheets: m.waffle.nest.sheets.len(),
+        stock_use: m.waffle.nest.use_fraction,
+    }
+}
+
+fn part(p: &softfold_mold::Part) -> json::Part {
+    json::Part {
+        name: p.name.clone(),
+        volume_mm3: p.volume_mm3,
+        cell_volume_mm3: p.exact_volume_mm3,
+        size_mm: triple(p.size_mm),
+        valid: p.valid,
+        inner: p.inner,
+        faults: p.faults.clone(),
+    }
+}
+
+fn waffle_board(b: &softfold_mold::WaffleBoard) -> json::WaffleBoard {
+    json::WaffleBoard { name: b.name.clone(), length_mm: b.size_mm.x, height_mm: b.size_mm.y }
+}
+
+/// One verdict.
+fn verdict(name: &str, pass: bool, figure: Option<f64>, limit: Option<f64>, unit: &str, message: String) -> json::Verdict {
+    json::Verdict { name: name.to_owned(), pass, figure, limit, unit: unit.to_owned(), message }
+}
+
+fn verdicts(loaded: &Loaded, results: &Results) -> Vec<json::Verdict> {
+    let mut all = Vec::new();
+    results.mesh.iter().for_each(|m| all.push(mesh_verdict(m)));
+    results.fold.iter().for_each(|f| all.push(rest_verdict(f)));
+    results.analyse.iter().for_each(|a| all.extend(sheet_verdicts(loaded, a)));
+    results.surface.iter().for_each(|s| all.extend(surface_verdicts(loaded, s)));
+    results.board.iter().for_each(|b| all.extend(radius_verdict(loaded, b)));
+    results.stability.iter().for_each(|s| all.push(stability_verdict(loaded, s)));
+    results.mold.iter().for_each(|m| all.extend(mold_verdicts(m)));
+    all
+}
+
+fn mesh_verdict(m: &MeshResult) -> json::Verdict {
+    let message = match m.crosscheck.agrees() {
+        true => "spade and CGAL make the same mesh of the pattern".to_owned(),
+        false => "spade and CGAL disagree on the mesh; run `softfold crosscheck` for the places".to_owned(),
+    };
+    let others = m.crosscheck.other_differences.len() as f64;
+    verdict("mesh cross-check", m.crosscheck.agrees(), Some(others), Some(0.0), "", message)
+}
+
+fn rest_verdict(f: &FoldResult) -> json::Verdict {
+    let solve = &f.sheet.solve;
+    let message = match solve.converged {
+        true => "the folded sheet is at rest".to_owned(),
+        false => format!("the folded sheet is not at rest ({}); raise fold.max_iterations", solve.stop),
+    };
+    verdict("equilibrium", solve.converged, Some(solve.relative_gradient), None, "", message)
+}
+
+fn sheet_verdicts(loaded: &Loaded, a: &AnalyseResult) -> [json::Verdict; 2] {
+    let limit = loaded.project.limits.area_error;
+    let worst = a.verdict.area_error.into_iter().max_by(|x, y| x.value.abs().total_cmp(&y.value.abs())).unwrap_or_default();
+    let pass = worst.value.abs() <= limit;
+    let place = format!("at ({:.0}, {:.0}) mm on the sheet", worst.at.x, worst.at.y);
+    let message = match pass {
+        true => format!("the sheet keeps its area; the largest change is {place}"),
+        false => format!("the sheet is stretched or pressed too much {place}; fold less, use a smaller radius or a weaker hold"),
+    };
+    let hits = a.self_intersections;
+    let through = match hits {
+        0 => "no part of the sheet passes through another".to_owned(),
+        n => format!("{n} pairs of triangles pass through each other; fold less or move the creases apart"),
+    };
+    [
+        verdict("area error", pass, Some(100.0 * worst.value), Some(100.0 * limit), "%", message),
+        verdict("self-intersection", hits == 0, Some(hits as f64), Some(0.0), "", through),
+    ]
+}
+
+fn surface_verdicts(loaded: &Loaded, s: &SurfaceResult) -> [json::Verdict; 2] {
+    let limit = loaded.project.limits.surface_deviation_mm;
+    let d = s.fitted.surface.deviation;
+    let place = format!("({:.0}, {:.0}) mm on the sheet", d.at.x, d.at.y);
+    let pass = d.max_mm <= limit;
+    let message = match pass {
+        true => format!("the surface follows the folded sheet; it is farthest at {place}"),
+        false => format!("the surface leaves the folded sheet at {place}; give a smaller surface.tolerance_mm"),
+    };
+    let face = match s.faults.is_empty() {
+        true => "OpenCascade finds the trimmed face valid".to_owned(),
+        false => format!("OpenCascade finds the trimmed face faulty: {}", s.faults.join("; ")),
+    };
+    [
+        verdict("surface deviation", pass, Some(d.max_mm), Some(limit), "mm", message),
+        verdict("surface validity", s.faults.is_empty(), None, None, "", face),
+    ]
+}
+
+fn radius_verdict(loaded: &Loaded, b: &Board) -> Option<json::Verdict> {
+    let material = &loaded.project.material;
+    // Outer fibre strain t/(2 r_mid) = t/(2 (r_skin + t/2)) at the inner skin.
+    let by_strain = material.strain_limit.map(|e| 0.5 * b.thickness_mm * (1.0 / e - 1.0));
+    let limit = [material.min_radius_mm, by_strain].into_iter().flatten().reduce(f64::max)?;
+    let tightest = b.min_radius_mm.iter().min_by(|x, y| x.radius_mm.total_cmp(&y.radius_mm))?;
+    let pass = tightest.radius_mm >= limit;
+    let place = format!("({:.0}, {:.0}) mm on the sheet", tightest.at.x, tightest.at.y);
+    let message = match pass {
+        true => format!("the material can bend as tightly as it must; tightest at {place}"),
+        false => format!("a skin bends tighter than the material can at {place}; raise soften.radius_mm or use a thinner board"),
+    };
+    Some(verdict("bend radius", pass, Some(tightest.radius_mm), Some(limit), "mm", message))
+}
+
+fn stability_verdict(loaded: &Loaded, rest: &Rest) -> json::Verdict {
+    let s = &rest.stability;
+    let limit = loaded.project.limits.stability_margin_mm;
+    let pass = s.stable && s.margin_mm >= limit;
+    let message = match (s.stable, pass) {
+        (true, true) => format!("the piece stands by itself; it falls when it is tipped by {:.1}°", s.tipping_angle_deg),
+        (true, false) => "the piece stands, but with less margin than asked; widen its foot".to_owned(),
+        (false, _) => "the piece falls over; widen its foot or bring its barycenter over it".to_owned(),
+    };
+    verdict("stability", pass, Some(s.margin_mm), Some(limit), "mm", message)
+}
+
+fn mold_verdicts(m: &Mold) -> [json::Verdict; 2] {
+    let bad: Vec<&str> = m.parts.iter().filter(|p| !p.valid).map(|p| p.name.as_str()).collect();
+    let parts = match bad.is_empty() {
+        true => format!("all {} parts are closed solids and fit the printer", m.parts.len()),
+        false => format!("parts {} are not valid; see their faults in the report", bad.join(", ")),
+    };
+    let undercuts = m.pose.undercuts.len();
+    let draft = match undercuts {
+        0 => "the board comes off the mold along z".to_owned(),
+        n => format!("{n} places of the mold undercut; fold less or give another pose"),
+    };
+    [
+        verdict("mold parts", bad.is_empty(), Some(bad.len() as f64), Some(0.0), "", parts),
+        verdict("mold draft", undercuts == 0, Some(m.pose.least_draft_deg), Some(0.0), "°", draft),
+    ]
+}

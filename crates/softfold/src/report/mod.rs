@@ -1,0 +1,14 @@
+//! What a run found: `report.json` for programs, `report.html` for people, pictures, and the closing
+//! summary on the terminal.
+
+pub mod html;
+pub mod json;
+mod page;
+pub mod picture;
+pub mod plans;
+pub mod summary;
+mod words;
+
+pub use html::{Pictures, html};
+pub use json::{Report, SCHEMA};
+pub use summary::summary;

@@ -1,0 +1,517 @@
+//! The stages in their order: the only place that knows it.
+
+use crate::progress::Progress;
+use crate::project::{self, Project};
+use crate::{RunError, project::line_of};
+use softfold_fold::{Anchor, ClampLength, Goal, Iteration, NewtonOptions, OnPlane, RelaxOptions, SheetMaterial, Solver, Verdict};
+use softfold_geometry::{CreasePattern, DVec2, DVec3, FoldedSheet, Issue, LoopId, SoftPattern};
+use softfold_kernel::{MeshView, cgal, occt};
+use softfold_mesh::{Backend, Crosscheck, MeshError, MeshOptions, Meshed, Quality};
+use softfold_mold::{Board, BoardOptions, Mold, MoldError, MoldOptions, Placement, Rest, StockOptions, WaffleOptions};
+use softfold_pattern::ReadOptions;
+use softfold_soften::{BandFigures, CreaseSoftness, Segments, SoftenError};
+use softfold_surface::{Fitted, SurfaceAnalysis, SurfaceError, SurfaceOptions};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A stage of the run, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Text to pattern.
+    Pattern,
+    /// Creases to bands.
+    Soften,
+    /// Bands to a flat mesh.
+    Mesh,
+    /// Flat mesh to folded sheet.
+    Fold,
+    /// What folding did to the sheet.
+    Analyse,
+    /// Folded sheet to NURBS surface.
+    Surface,
+    /// Surface to thick board.
+    Board,
+    /// How the board stands.
+    Stability,
+    /// Surface to mold.
+    Mold,
+}
+
+impl Stage {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Pattern => "pattern",
+            Stage::Soften => "soften",
+            Stage::Mesh => "mesh",
+            Stage::Fold => "fold",
+            Stage::Analyse => "analyse",
+            Stage::Surface => "surface",
+            Stage::Board => "board",
+            Stage::Stability => "stability",
+            Stage::Mold => "mold",
+        }
+    }
+}
+
+/// A project with the texts of its files.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// Path of the project file.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+    /// What it says.
+    pub project: Project,
+    /// Path of the pattern.
+    pub pattern_path: PathBuf,
+    /// The pattern's text.
+    pub pattern_text: String,
+}
+
+/// How one goal ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GoalFigure {
+    /// Its name.
+    pub name: String,
+    /// Its kind.
+    pub kind: &'static str,
+    /// Its energy, N·mm.
+    pub energy: f64,
+    /// Largest |G|: mm, or rad for hinges.
+    pub residual: f64,
+}
+
+/// The mesh stage's results.
+pub struct MeshResult {
+    /// Mesh and graph.
+    pub meshed: Meshed,
+    /// Angles.
+    pub quality: Quality,
+    /// spade against CGAL.
+    pub crosscheck: Crosscheck,
+    /// Which one made the mesh.
+    pub backend: Backend,
+}
+
+/// The fold stage's results.
+pub struct FoldResult {
+    /// The folded sheet.
+    pub sheet: FoldedSheet,
+    /// What each goal contributes.
+    pub goals: Vec<GoalFigure>,
+}
+
+/// The analyse stage's results.
+pub struct AnalyseResult {
+    /// Figures.
+    pub verdict: Verdict,
+    /// Pairs of triangles that pass through each other.
+    pub self_intersections: usize,
+}
+
+/// The surface stage's results.
+pub struct SurfaceResult {
+    /// Surface and cage.
+    pub fitted: Fitted,
+    /// Figures of the surface.
+    pub analysis: SurfaceAnalysis,
+    /// The trimmed face.
+    pub face: occt::Shape,
+    /// What OpenCascade finds wrong with it.
+    pub faults: Vec<String>,
+    /// Largest distance from a folded vertex to the face's own triangles, by CGAL, mm: the exported face against the
+    /// mesh, through two other libraries.
+    pub face_distance_mm: f64,
+}
+
+/// Everything a run has made so far.
+#[derive(Default)]
+pub struct Results {
+    /// Remarks about the pattern.
+    pub issues: Vec<Issue>,
+    /// The pattern.
+    pub pattern: Option<CreasePattern>,
+    /// Softness by crease.
+    pub softness: Vec<CreaseSoftness>,
+    /// The bands.
+    pub soft: Option<SoftPattern>,
+    /// The mesh.
+    pub mesh: Option<MeshResult>,
+    /// The folded sheet.
+    pub fold: Option<FoldResult>,
+    /// Its figures.
+    pub analyse: Option<AnalyseResult>,
+    /// The surface.
+    pub surface: Option<SurfaceResult>,
+    /// The board.
+    pub board: Option<Board>,
+    /// How it stands.
+    pub stability: Option<Rest>,
+    /// The mold.
+    pub mold: Option<Mold>,
+    /// Size of the stock sheets of its boards, mm.
+    pub stock_mm: [f64; 2],
+    /// Stages with their times, s.
+    pub seconds: Vec<(&'static str, f64)>,
+}
+
+impl Loaded {
+    /// Reads a project and its pattern.
+    ///
+    /// # Errors
+    /// Files that cannot be read, a project that is at fault.
+    pub fn read(path: &Path) -> Result<Self, RunError> {
+        let text = read_text(path, "check the path of the project")?;
+        let project = Project::parse(&text).map_err(|f| RunError::in_file(path, f.line, f.message))?;
+        let pattern_path = path.parent().unwrap_or(Path::new("")).join(&project.pattern);
+        let asked = line_of(&text, "", "pattern");
+        let mend = format!("check `pattern` in {}{}", path.display(), asked.map(|l| format!(":{l}")).unwrap_or_default());
+        let pattern_text = read_text(&pattern_path, &mend)?;
+        Ok(Self { path: path.to_owned(), text, project, pattern_path, pattern_text })
+    }
+
+    /// The project's name: its own, or its folder's.
+    pub fn name(&self) -> String {
+        let stem = |p: &Path| p.file_stem().map(|s| s.to_string_lossy().into_owned());
+        self.project.name.clone().or_else(|| stem(&self.pattern_path)).unwrap_or_else(|| "softfold".to_owned())
+    }
+
+    fn fault(&self, table: &str, key: &str, message: impl std::fmt::Display) -> RunError {
+        RunError::in_file(&self.path, line_of(&self.text, table, key), message)
+    }
+}
+
+fn read_text(path: &Path, mend: &str) -> Result<String, RunError> {
+    let bytes = std::fs::read(path).map_err(|e| RunError::in_file(path, None, format!("cannot be read: {e}; {mend}")))?;
+    String::from_utf8(bytes).map_err(|_| RunError::in_file(path, None, "is no text (UTF-8); give a text file"))
+}
+
+/// Runs the stages up to `until`.
+///
+/// # Errors
+/// The first fault, with its place and mend.
+pub fn run(loaded: &Loaded, until: Stage, progress: &mut dyn Progress) -> Result<Results, RunError> {
+    let steps: [(Stage, StepFn); 9] = [
+        (Stage::Pattern, pattern),
+        (Stage::Soften, soften),
+        (Stage::Mesh, mesh),
+        (Stage::Fold, fold),
+        (Stage::Analyse, analyse),
+        (Stage::Surface, surface),
+        (Stage::Board, board),
+        (Stage::Stability, stability),
+        (Stage::Mold, mold),
+    ];
+    let mut results = Results::default();
+    for (stage, step) in steps.into_iter().filter(|(s, _)| *s <= until) {
+        progress.begin(stage.name());
+        let start = Instant::now();
+        let word = step(loaded, &mut results, progress)?;
+        let seconds = start.elapsed().as_secs_f64();
+        results.seconds.push((stage.name(), seconds));
+        progress.end(stage.name(), seconds, &word);
+    }
+    Ok(results)
+}
+
+/// A stage: takes what is there, adds its own, and says it in a few words.
+type StepFn = fn(&Loaded, &mut Results, &mut dyn Progress) -> Result<String, RunError>;
+
+/// A stage's input that an earlier stage must have made.
+fn made<T>(value: Option<&T>) -> Result<&T, RunError> {
+    value.ok_or_else(|| RunError::Defect("a stage ran before its input was made".to_owned()))
+}
+
+fn defect(error: impl std::fmt::Display) -> RunError {
+    RunError::Defect(error.to_string())
+}
+
+fn pattern(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result<String, RunError> {
+    let options = ReadOptions { unit_mm: loaded.project.unit_mm };
+    let file = softfold_pattern::read_svg(&loaded.pattern_text, &loaded.name(), &options)
+        .map_err(|e| RunError::from_issue(&loaded.pattern_path, e.issue()))?;
+    let word = format!("{} creases, {} remarks", file.pattern.creases.len(), file.issues.len());
+    file.pattern.check().map_err(defect)?;
+    (results.pattern, results.issues) = (Some(file.pattern), file.issues);
+    Ok(word)
+}
+
+fn soften(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result<String, RunError> {
+    let pattern = made(results.pattern.as_ref())?;
+    let softness = softness(loaded, pattern)?;
+    let soft = softfold_soften::soften(pattern, &softness).map_err(|e| soften_fault(loaded, &e))?;
+    soft.check().map_err(defect)?;
+    let lines: usize = soft.bands.iter().map(|b| b.fold_lines.len()).sum();
+    (results.soft, results.softness) = (Some(soft), softness);
+    Ok(format!("{lines} fold lines"))
+}
+
+fn soften_fault(loaded: &Loaded, error: &SoftenError) -> RunError {
+    let issue = error.issue();
+    let mut wrapped = issue.clone();
+    wrapped.line = None;
+    let place = match issue.line {
+        Some(line) => format!("{}:{line}", loaded.pattern_path.display()),
+        None => loaded.pattern_path.display().to_string(),
+    };
+    loaded.fault("soften", "radius_mm", format!("{wrapped} [{place}]"))
+}
+
+/// Softness of each crease: its table, else the pattern, else the common values.
+fn softness(loaded: &Loaded, pattern: &CreasePattern) -> Result<Vec<CreaseSoftness>, RunError> {
+    let soften = &loaded.project.soften;
+    if let Some(unknown) = soften.creases.keys().find(|n| pattern.creases.iter().all(|c| c.name != **n)) {
+        let known: Vec<&str> = pattern.creases.iter().map(|c| c.name.as_str()).collect();
+        let message = format!("[soften.creases.{unknown}]: the pattern has no such crease; it has {}", known.join(", "));
+        let line = loaded.text.lines().position(|l| l.trim().starts_with(&format!("[soften.creases.{unknown}]")));
+        return Err(RunError::in_file(&loaded.path, line.map(|l| l + 1), message));
+    }
+    let one = |crease: &softfold_geometry::Crease| {
+        let own = soften.creases.get(&crease.name).cloned().unwrap_or_default();
+        let common = soften.fold_angle_deg.map(|a| a.abs() * crease.role.sign());
+        let from_file = crease.fold_angle_rad.map(f64::to_degrees);
+        let angle = own.fold_angle_deg.or(from_file).or(common).unwrap_or(0.0);
+        check_angle(loaded, crease, angle)?;
+        Ok(CreaseSoftness {
+            radius_mm: own.radius_mm.unwrap_or(soften.radius_mm),
+            fold_angle_rad: angle.to_radians(),
+            segments: Segments::Count(own.segments.unwrap_or(soften.segments)),
+        })
+    };
+    pattern.creases.iter().map(one).collect()
+}
+
+fn check_angle(loaded: &Loaded, crease: &softfold_geometry::Crease, angle: f64) -> Result<(), RunError> {
+    use softfold_geometry::Role;
+    let table = format!("soften.creases.{}", crease.name);
+    if crease.role == Role::Flat {
+        return Ok(());
+    }
+    if angle == 0.0 || !angle.is_finite() || angle.abs() >= 180.0 {
+        let message = format!("crease '{}' has the fold angle {angle}°; give fold_angle_deg between -180 and 180 and not 0 in [{table}]", crease.name);
+        return Err(loaded.fault(&table, "fold_angle_deg", message));
+    }
+    if angle * crease.role.sign() < 0.0 {
+        let drawn = if crease.role == Role::Mountain { "mountain (-)" } else { "valley (+)" };
+        let message = format!("crease '{}' is drawn as {drawn} but its fold angle is {angle}°; change the sign or the drawing", crease.name);
+        return Err(loaded.fault(&table, "fold_angle_deg", message));
+    }
+    Ok(())
+}
+
+fn mesh(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
+    let wanted = &loaded.project.mesh;
+    let backend = match wanted.backend {
+        project::Backend::Spade => Backend::Spade,
+        project::Backend::Cgal => Backend::Cgal,
+    };
+    let options = MeshOptions { target_edge_mm: wanted.target_edge_mm, seed: wanted.seed, backend, ..MeshOptions::default() };
+    let meshed = softfold_mesh::mesh(made(results.soft.as_ref())?, &options).map_err(|e| mesh_fault(loaded, &e))?;
+    progress.advance(Some(0.8), "spade against CGAL");
+    let crosscheck = softfold_mesh::crosscheck(&meshed.graph).map_err(defect)?;
+    let quality = softfold_mesh::quality(&meshed.mesh);
+    let word = format!("{} vertices, smallest angle {:.0}°", meshed.mesh.vertices.len(), quality.min_angle_deg);
+    results.mesh = Some(MeshResult { meshed, quality, crosscheck, backend });
+    Ok(word)
+}
+
+fn mesh_fault(loaded: &Loaded, error: &MeshError) -> RunError {
+    match error {
+        MeshError::Option { name, .. } => loaded.fault("mesh", name, error),
+        MeshError::TooMany { .. } => loaded.fault("mesh", "target_edge_mm", error),
+        MeshError::Crossing { .. } => RunError::in_file(&loaded.pattern_path, None, error),
+        other => defect(other),
+    }
+}
+
+fn fold(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
+    let goals = goals(loaded, results)?;
+    let mesh = &made(results.mesh.as_ref())?.meshed.mesh;
+    let start = match loaded.project.fold.start {
+        project::Start::Upright => softfold_fold::upright(mesh),
+        project::Start::Flat => mesh.vertices.iter().map(|p| p.extend(0.0)).collect(),
+    };
+    let mut watch = |i: Iteration| {
+        progress.advance(None, &format!("iteration {}, relative gradient {:.0e}", i.number, i.relative_gradient));
+    };
+    let sheet = softfold_fold::fold(mesh, &goals, &start, &solver(&loaded.project.fold), &mut watch)
+        .map_err(|e| loaded.fault("fold", "solver", e))?;
+    sheet.check().map_err(defect)?;
+    let word = format!("{} iterations, {}", sheet.solve.iterations, sheet.solve.stop);
+    let goals = goals.iter().map(|g| figure(g.as_ref(), &sheet)).collect();
+    results.fold = Some(FoldResult { sheet, goals });
+    Ok(word)
+}
+
+fn figure(goal: &dyn Goal, sheet: &FoldedSheet) -> GoalFigure {
+    let x = &sheet.positions;
+    GoalFigure { name: goal.name().to_owned(), kind: goal.kind(), energy: goal.energy(x), residual: goal.residual(x) }
+}
+
+fn solver(fold: &project::Fold) -> Solver {
+    match fold.solver {
+        project::Solver::Newton => {
+            let d = NewtonOptions::default();
+            let relative_gradient = fold.relative_gradient.unwrap_or(d.relative_gradient);
+            Solver::Newton(NewtonOptions { relative_gradient, max_iterations: fold.max_iterations.unwrap_or(d.max_iterations), ..d })
+        }
+        project::Solver::Relax => {
+            let d = RelaxOptions::default();
+            let relative_gradient = fold.relative_gradient.unwrap_or(d.relative_gradient);
+            Solver::Relax(RelaxOptions { relative_gradient, max_iterations: fold.max_iterations.unwrap_or(d.max_iterations), ..d })
+        }
+    }
+}
+
+fn goals(loaded: &Loaded, results: &Results) -> Result<Vec<Box<dyn Goal>>, RunError> {
+    let mesh = &made(results.mesh.as_ref())?.meshed.mesh;
+    let material = &loaded.project.material;
+    let elastic = SheetMaterial {
+        youngs_modulus_mpa: material.youngs_modulus_mpa,
+        poisson_ratio: material.poisson_ratio,
+        thickness_mm: loaded.project.board.thickness_mm,
+        fold_line_factor: material.fold_line_factor,
+    };
+    let mut goals = elastic.goals(mesh);
+    let fold = &loaded.project.fold;
+    let at = |array: &str, name: &str, place: [f64; 2]| {
+        let outside = |e| RunError::in_file(&loaded.path, None, format!("[[{array}]] '{name}': {e}"));
+        softfold_fold::locate(mesh, DVec2::from(place)).map_err(outside)
+    };
+    for a in &fold.anchors {
+        let point = at("fold.anchors", &a.name, a.at)?;
+        goals.push(Box::new(Anchor { name: a.name.clone(), point, target: a.target.into(), stiffness: a.stiffness.into() }));
+    }
+    for b in &fold.bands {
+        let ends = [at("fold.bands", &b.name, b.from)?, at("fold.bands", &b.name, b.to)?];
+        goals.push(Box::new(ClampLength { name: b.name.clone(), ends, rest_mm: b.rest_mm, stiffness: b.stiffness }));
+    }
+    let outline = &made(results.pattern.as_ref())?.outline;
+    for p in &fold.planes {
+        let length_mm = outline.length_mm();
+        let range = [p.outline_from, p.outline_to].map(|uv| outline.nearest(DVec2::from(uv)).0 / length_mm);
+        let vertices = softfold_fold::nearest_boundary_vertices(mesh, LoopId(0), length_mm, range);
+        let normal = DVec3::from(p.normal).normalize_or(DVec3::Z);
+        goals.push(Box::new(OnPlane { name: p.name.clone(), vertices, origin: p.origin.into(), normal, stiffness: p.stiffness }));
+    }
+    Ok(goals)
+}
+
+fn analyse(_: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
+    let sheet = &made(results.fold.as_ref())?.sheet;
+    let verdict = softfold_fold::analyse(sheet);
+    progress.advance(Some(0.5), "self-intersections");
+    let positions: Vec<[f64; 3]> = sheet.positions.iter().map(|p| p.to_array()).collect();
+    let triangles: Vec<[u32; 3]> = sheet.mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect();
+    let pairs = cgal::self_intersections(MeshView { positions: &positions, triangles: &triangles }).map_err(defect)?;
+    let [lo, hi] = verdict.area_error;
+    results.analyse = Some(AnalyseResult { verdict, self_intersections: pairs.len() });
+    Ok(format!("area error {:+.2} % to {:+.2} %", 100.0 * lo.value, 100.0 * hi.value))
+}
+
+/// Chord error of the triangles that stand for the face in the check against the mesh, mm.
+const FACE_CHORD_MM: f64 = 0.02;
+/// Their angle, rad.
+const FACE_ANGLE_RAD: f64 = 0.2;
+/// Step of the surface analysis as share of the lattice spacing.
+const ANALYSIS_STEP: f64 = 0.5;
+
+fn surface(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
+    let wanted = &loaded.project.surface;
+    let defaults = SurfaceOptions::default();
+    let tolerance_mm = wanted.tolerance_mm.unwrap_or(defaults.tolerance_mm);
+    let options = SurfaceOptions { tolerance_mm, spacing_mm: wanted.spacing_mm, ..defaults };
+    let sheet = &made(results.fold.as_ref())?.sheet;
+    let trim = &made(results.soft.as_ref())?.loops;
+    let fitted = softfold_surface::fit(sheet, trim, &options).map_err(|e| surface_fault(loaded, &e))?;
+    progress.advance(Some(0.7), "curvature and the trimmed face");
+    let analysis = softfold_surface::analyse(&fitted.surface, ANALYSIS_STEP * fitted.spacing_mm).map_err(defect)?;
+    let face = softfold_mold::sheet_face(&fitted.surface).map_err(defect)?;
+    let faults = occt::check(&face).map_err(defect)?;
+    let face_distance_mm = face_distance_mm(&face, sheet)?;
+    let d = fitted.surface.deviation;
+    let word = format!("deviation {:.3} mm, {}", d.max_mm, fitted.why);
+    results.surface = Some(SurfaceResult { fitted, analysis, face, faults, face_distance_mm });
+    Ok(word)
+}
+
+fn face_distance_mm(face: &occt::Shape, sheet: &FoldedSheet) -> Result<f64, RunError> {
+    let triangles = occt::triangulate(face, FACE_CHORD_MM, FACE_ANGLE_RAD).map_err(defect)?;
+    let points: Vec<[f64; 3]> = sheet.positions.iter().map(|p| p.to_array()).collect();
+    let distances = cgal::distances_to_mesh(&points, triangles.view()).map_err(defect)?;
+    Ok(distances.into_iter().fold(0.0, f64::max))
+}
+
+fn surface_fault(loaded: &Loaded, error: &SurfaceError) -> RunError {
+    match error {
+        SurfaceError::NotPositive { key, .. } => loaded.fault("surface", key, error),
+        SurfaceError::TooManyPoles { .. } => loaded.fault("surface", "spacing_mm", error),
+        other => defect(other),
+    }
+}
+
+fn board(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result<String, RunError> {
+    let wanted = &loaded.project.board;
+    let options = BoardOptions {
+        thickness_mm: wanted.thickness_mm,
+        density_kg_m3: loaded.project.material.density_kg_m3,
+        placement: match wanted.placement {
+            project::Placement::Mid => Placement::Mid,
+            project::Placement::Lower => Placement::Lower,
+            project::Placement::Upper => Placement::Upper,
+        },
+    };
+    let sheet = &made(results.surface.as_ref())?.fitted.surface;
+    let board = softfold_mold::make_board(sheet, &options).map_err(|e| mold_fault(loaded, "board", "thickness_mm", &e))?;
+    let word = format!("{:.1} kg", board.mass_kg);
+    results.board = Some(board);
+    Ok(word)
+}
+
+/// Errors of the board and the mold are the input's unless a library failed.
+fn mold_fault(loaded: &Loaded, table: &str, key: &str, error: &MoldError) -> RunError {
+    if error.is_defect() { defect(error) } else { loaded.fault(table, key, error) }
+}
+
+/// Step between the points that may touch the ground, mm.
+const CONTACT_STEP_MM: f64 = 4.0;
+
+fn stability(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result<String, RunError> {
+    let contact_mm = loaded.project.stability.contact_mm;
+    let rest = softfold_mold::rest_of_board(made(results.board.as_ref())?, CONTACT_STEP_MM, contact_mm)
+        .map_err(|e| mold_fault(loaded, "stability", "contact_mm", &e))?;
+    let word = format!("{}, margin {:.0} mm", if rest.stability.stable { "stands" } else { "falls" }, rest.stability.margin_mm);
+    results.stability = Some(rest);
+    Ok(word)
+}
+
+fn mold(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result<String, RunError> {
+    let (m, w) = (&loaded.project.mold, &loaded.project.waffle);
+    let waffle = WaffleOptions {
+        board_mm: w.board_mm,
+        pitch_mm: w.pitch_mm,
+        angle_deg: w.angle_deg,
+        clearance_mm: w.clearance_mm,
+        cutter_mm: w.cutter_mm,
+        stock: StockOptions { size_mm: w.stock_mm, ..StockOptions::default() },
+        ..WaffleOptions::default()
+    };
+    let options = MoldOptions {
+        thickness_mm: m.thickness_mm,
+        cell_mm: m.cell_mm,
+        printer_mm: m.printer_mm,
+        waffle: Some(waffle),
+        ..MoldOptions::default()
+    };
+    let sheet = &made(results.surface.as_ref())?.fitted.surface;
+    let mold = softfold_mold::make_mold(sheet, &options).map_err(|e| mold_fault(loaded, "mold", "cell_mm", &e))?;
+    let word = format!("{} parts, {} boards", mold.parts.len(), mold.waffle.boards.len());
+    (results.mold, results.stock_mm) = (Some(mold), w.stock_mm);
+    Ok(word)
+}
+
+/// Figures of the bands, by crease, for the report.
+pub fn band_figures(softness: &[CreaseSoftness]) -> Vec<Option<BandFigures>> {
+    softness.iter().map(|s| BandFigures::new(s).ok()).collect()
+}
