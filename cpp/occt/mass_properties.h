@@ -1,4 +1,4 @@
-// Volume, area, center and inertia of a shape of density 1.
+// Volume, center and inertia of a solid of density 1.
 #pragma once
 
 #include <TopoDS_Shape.hxx>

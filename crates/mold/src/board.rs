@@ -106,7 +106,7 @@ pub fn make_board(sheet: &SheetSurface, options: &BoardOptions) -> Result<Board,
         .during(|| "the board".into())?;
     require_valid(&shape, "the board")?;
     let mass = occt::mass_properties(&shape).during(|| "the board's mass".into())?;
-    let area = face(sheet).and_then(|f| occt::mass_properties(&f)).during(|| "the sheet's area".into())?;
+    let area = face(sheet).and_then(|f| occt::area(&f)).during(|| "the sheet's area".into())?;
     Ok(Board {
         shape,
         lower,
@@ -114,7 +114,7 @@ pub fn make_board(sheet: &SheetSurface, options: &BoardOptions) -> Result<Board,
         trim: sheet.trim.clone(),
         thickness_mm: options.thickness_mm,
         volume_mm3: mass.volume_mm3,
-        area_mid_mm2: area.area_mm2,
+        area_mid_mm2: area,
         mass_kg: mass.volume_mm3 * options.density_kg_m3 * PER_CUBIC_MM,
         barycenter_mm: DVec3::from(mass.center),
         min_radius_mm: offsets.map(|d| smallest_radius(&curved, d)),

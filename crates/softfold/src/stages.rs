@@ -411,9 +411,9 @@ fn analyse(_: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Re
 }
 
 /// Chord error of the triangles that stand for the face in the check against the mesh, mm.
-const FACE_CHORD_MM: f64 = 0.02;
+const FACE_CHORD_MM: f64 = 0.1;
 /// Their angle, rad.
-const FACE_ANGLE_RAD: f64 = 0.2;
+const FACE_ANGLE_RAD: f64 = 0.5;
 /// Step of the surface analysis as share of the lattice spacing.
 const ANALYSIS_STEP: f64 = 0.5;
 

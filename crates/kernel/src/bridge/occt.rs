@@ -23,6 +23,7 @@ mod ffi {
         include!("occt/transformed.h");
         include!("occt/check.h");
         include!("occt/mass_properties.h");
+        include!("occt/area.h");
         include!("occt/triangulate.h");
         include!("occt/write_step.h");
         include!("occt/read_step.h");
@@ -49,7 +50,6 @@ mod ffi {
 
     struct Mass {
         volume: f64,
-        area: f64,
         center: [f64; 3],
         /// Rows.
         inertia: [f64; 9],
@@ -91,6 +91,7 @@ mod ffi {
         ) -> Result<UniquePtr<TopoDS_Shape>>;
         fn check(shape: &TopoDS_Shape) -> Result<Vec<String>>;
         fn mass_properties(shape: &TopoDS_Shape) -> Result<Mass>;
+        fn area(shape: &TopoDS_Shape) -> Result<f64>;
         fn triangulate(shape: &TopoDS_Shape, linear: f64, angular: f64) -> Result<FlatMesh>;
         fn write_step(path: &str, parts: &Vec<StepPart>, header: &StepHeader) -> Result<()>;
         fn read_step(path: &str) -> Result<Vec<StepPart>>;

@@ -10,7 +10,7 @@ mod step;
 mod surface;
 
 pub use crate::buffers::BooleanOperation;
-pub use query::{Counts, MassProperties, check, counts, mass_properties, triangulate};
+pub use query::{Counts, MassProperties, area, check, counts, mass_properties, triangulate};
 pub use shape::{Shape, ShapeKind};
 pub use solid::{boolean, extruded_polygon, prism, transformed};
 pub use step::{NamedShape, ReadPart, StepOptions, StepSchema, read_step, write_step};

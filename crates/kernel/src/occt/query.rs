@@ -24,8 +24,6 @@ pub struct Counts {
 pub struct MassProperties {
     /// Volume in mm³; 0 without a solid.
     pub volume_mm3: f64,
-    /// Area of all faces in mm².
-    pub area_mm2: f64,
     /// Center of the volume, or of the area without a solid; mm.
     pub center: [f64; 3],
     /// Inertia about `center` along the axes: of the volume in mm⁵, or of the area in mm⁴. Rows.
@@ -60,19 +58,26 @@ pub fn check(shape: &Shape) -> Result<Vec<String>> {
     run("occt::check", || ffi::check(shape.raw()))
 }
 
-/// Volume, area, center and inertia, right to about 1e-9 of themselves on B-spline solids.
+/// Volume, center and inertia of solids, right to about 1e-9 of themselves with B-spline faces.
 ///
 /// # Errors
-/// An integration that does not converge.
+/// A shape without a solid; an integration that does not converge.
 pub fn mass_properties(shape: &Shape) -> Result<MassProperties> {
     let mass = run("occt::mass_properties", || ffi::mass_properties(shape.raw()))?;
     let inertia = |row: usize| std::array::from_fn(|column| mass.inertia[3 * row + column]);
     Ok(MassProperties {
         volume_mm3: mass.volume,
-        area_mm2: mass.area,
         center: mass.center,
         inertia: std::array::from_fn(inertia),
     })
+}
+
+/// Area of a shape's faces, mm².
+///
+/// # Errors
+/// Only if the integration itself fails.
+pub fn area(shape: &Shape) -> Result<f64> {
+    run("occt::area", || ffi::area(shape.raw()))
 }
 
 /// Triangles off by at most `linear_mm` from the faces, and by `angular_rad` between neighbours along a curve. Faces
