@@ -15,6 +15,8 @@ pub mod newton;
 mod objective;
 pub mod relax;
 #[cfg(test)]
+mod solver_tests;
+#[cfg(test)]
 mod testing;
 
 pub use address::{AddressError, SheetPoint, locate, nearest_boundary_vertices, on_loop};

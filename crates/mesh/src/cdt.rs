@@ -94,7 +94,8 @@ fn spade_triangles(graph: &PlanarGraph) -> Result<Vec<[VertexId; 3]>, MeshError>
 /// Names the two constraints of which one was refused.
 fn crossing(graph: &PlanarGraph, refused: [usize; 2]) -> MeshError {
     let ends = |e: &[VertexId; 2]| e.map(|v| graph.points[v.index()]);
-    let mine = graph.constraints.iter().find(|(e, _)| e.map(VertexId::index) == refused);
+    // The triangulation may name the edge from either end.
+    let mine = graph.constraints.iter().find(|(e, _)| refused.iter().all(|&v| e.contains(&VertexId::new(v))));
     for (other, second) in &graph.constraints {
         let Some((edge, first)) = mine else { break };
         if edge.iter().any(|v| other.contains(v)) {

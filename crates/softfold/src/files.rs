@@ -58,7 +58,14 @@ impl Writer<'_> {
         self.files.push(json::File { path: path.to_owned(), purpose: purpose.to_owned() });
     }
 
-    fn step(&mut self, path: &str, purpose: &str, name: &str, shape: &Shape, color_srgb: [f32; 3]) -> Result<(), RunError> {
+    fn step(
+        &mut self,
+        path: &str,
+        purpose: &str,
+        name: &str,
+        shape: &Shape,
+        color_srgb: [f32; 3],
+    ) -> Result<(), RunError> {
         let options = StepOptions {
             schema: StepSchema::Ap214,
             product: name.to_owned(),
@@ -92,8 +99,10 @@ impl Writer<'_> {
         self.add("flat.obj", "the flat mesh", obj::mesh(&self.name, &flat, &triangles))?;
         let Some(f) = &results.fold else { return Ok(()) };
         self.add("folded.obj", "the folded mesh", obj::mesh(&self.name, &f.sheet.positions, &triangles))?;
-        let creases: Vec<String> = results.pattern.iter().flat_map(|p| &p.creases).map(|c| c.name.clone()).collect();
-        let text = fold::folded(&f.sheet, fold::Titles { title: &self.name, creases: &creases }).map_err(defect)?;
+        let creases: Vec<String> =
+            results.pattern.iter().flat_map(|p| &p.creases).map(|c| c.name.clone()).collect();
+        let text =
+            fold::folded(&f.sheet, fold::Titles { title: &self.name, creases: &creases }).map_err(defect)?;
         self.add("folded.fold", "flat and folded mesh with creases and angles", text)?;
         let Some(a) = &results.analyse else { return Ok(()) };
         let v = &a.verdict;
@@ -110,11 +119,17 @@ impl Writer<'_> {
     fn surfaces(&mut self, results: &Results) -> Result<(), RunError> {
         if let Some(s) = &results.surface {
             let cage = &s.fitted.cage;
-            self.add("cage.obj", "the quad cage, for subdivision modelling", obj::cage(&self.name, &cage.positions, &cage.quads))?;
+            self.add(
+                "cage.obj",
+                "the quad cage, for subdivision modelling",
+                obj::cage(&self.name, &cage.positions, &cage.quads),
+            )?;
             self.step("sheet.step", "the folded sheet's surface", "sheet", &s.face, SHEET_COLOUR)?;
         }
         match &results.board {
-            Some(board) => self.step("board.step", "the board as a solid", "board", &board.shape, SHEET_COLOUR),
+            Some(board) => {
+                self.step("board.step", "the board as a solid", "board", &board.shape, SHEET_COLOUR)
+            }
             None => Ok(()),
         }
     }
@@ -132,7 +147,8 @@ impl Writer<'_> {
         let name = &part.name;
         let stl = stl::binary(name, &part.solid);
         self.add(&format!("parts/{name}.stl"), "a printed part", stl)?;
-        let package = threemf::package(name, &[threemf::Object { name, mesh: &part.solid }]).map_err(defect)?;
+        let package =
+            threemf::package(name, &[threemf::Object { name, mesh: &part.solid }]).map_err(defect)?;
         self.add(&format!("parts/{name}.3mf"), "a printed part, named, in mm", package)?;
         match &part.shape {
             Some(shape) => {
@@ -179,20 +195,29 @@ fn waffle(mold: &Mold, stock_mm: [f64; 2]) -> Drawing {
     let [length, width] = stock_mm;
     for (i, sheet) in mold.waffle.nest.sheets.iter().enumerate() {
         let corner = DVec2::new(0.0, i as f64 * (width + SHEET_GAP_MM));
-        let frame = [(0.0, 0.0), (length, 0.0), (length, width), (0.0, width)].map(|p| corner + DVec2::from(p));
+        let frame =
+            [(0.0, 0.0), (length, 0.0), (length, width), (0.0, width)].map(|p| corner + DVec2::from(p));
         entities.push(Entity::lines(SHEET, true, &frame));
         for placed in &sheet.placed {
             draw_board(&mut entities, &mold.waffle.boards[placed.board], placed, corner);
         }
     }
-    let layers = vec![Layer::new(CUT, colour::RED), Layer::new(ENGRAVE, colour::GREEN), Layer::new(SHEET, colour::GREY)];
+    let layers = vec![
+        Layer::new(CUT, colour::RED),
+        Layer::new(ENGRAVE, colour::GREEN),
+        Layer::new(SHEET, colour::GREY),
+    ];
     Drawing { layers, entities }
 }
 
 fn draw_board(entities: &mut Vec<Entity>, board: &WaffleBoard, placed: &Placed, corner: DVec2) {
     let at = |p: DVec2| on_stock(&[p], board, placed)[0] + corner;
     for contour in &board.profile {
-        entities.push(Entity::Polyline { layer: CUT.to_owned(), closed: true, vertices: bulged(contour, &at) });
+        entities.push(Entity::Polyline {
+            layer: CUT.to_owned(),
+            closed: true,
+            vertices: bulged(contour, &at),
+        });
     }
     for stroke in &board.engrave {
         let points: Vec<DVec2> = stroke.iter().map(|p| at(*p)).collect();

@@ -109,7 +109,10 @@ fn execute(command: Command) -> Result<u8, RunError> {
         Command::Crosscheck(project) => crosscheck(&project),
         Command::New { folder } => {
             starter::write(&folder)?;
-            println!("wrote {0}/project.toml and {0}/pattern.svg; run: softfold run {0}/project.toml", folder.display());
+            println!(
+                "wrote {0}/project.toml and {0}/pattern.svg; run: softfold run {0}/project.toml",
+                folder.display()
+            );
             Ok(0)
         }
     }
@@ -133,7 +136,11 @@ fn run(job: &Job, until: Stage) -> Result<u8, RunError> {
     progress.begin("export");
     let start = std::time::Instant::now();
     let report = files::write(&loaded, &results, &job.out)?;
-    progress.end("export", start.elapsed().as_secs_f64(), &format!("{} files in {}", report.files.len(), job.out.display()));
+    progress.end(
+        "export",
+        start.elapsed().as_secs_f64(),
+        &format!("{} files in {}", report.files.len(), job.out.display()),
+    );
     tell(job, &report);
     Ok(if job.strict && !report.passes() { VERDICT_FAILED } else { 0 })
 }

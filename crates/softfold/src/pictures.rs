@@ -2,7 +2,9 @@
 
 use crate::RunError;
 use crate::report::html::{Picture, Pictures};
-use crate::report::picture::{Colours, INK, PLAIN, Scale, Scene, SceneLine, SceneMesh, View, fitting_size, render};
+use crate::report::picture::{
+    Colours, INK, PLAIN, Scale, Scene, SceneLine, SceneMesh, View, fitting_size, render,
+};
 use crate::report::plans::{self, PlanBoard, PlanPart, StockSheet};
 use crate::stages::{AnalyseResult, FoldResult, Results};
 use softfold_geometry::{DVec2, DVec3, EdgeClass, FoldedSheet, polygon};
@@ -31,7 +33,8 @@ pub fn pictures(results: &Results) -> Result<Pictures, RunError> {
         pictures.views = views(fold, analyse)?;
     }
     if let (Some(rest), Some(fold)) = (&results.stability, &results.fold) {
-        let plan: Vec<DVec2> = fold.sheet.positions.iter().map(|p| rest.rest_from_pose.point(*p).truncate()).collect();
+        let plan: Vec<DVec2> =
+            fold.sheet.positions.iter().map(|p| rest.rest_from_pose.point(*p).truncate()).collect();
         let s = &rest.stability;
         pictures.stability_svg = plans::stability_svg(&s.hull, s.barycenter_mm.truncate(), &hull(&plan)?);
     }
@@ -63,11 +66,17 @@ fn views(fold: &FoldResult, analyse: &AnalyseResult) -> Result<Vec<Picture>, Run
     }
     for view in View::standard() {
         let colours = area.colours(&verdict.vertex_area_error);
-        views.push(Picture { legend: Some(area_legend.clone()), ..shot(&fold.sheet, &view, Some(colours), "area error")? });
+        views.push(Picture {
+            legend: Some(area_legend.clone()),
+            ..shot(&fold.sheet, &view, Some(colours), "area error")?
+        });
     }
     for view in View::standard().into_iter().take(2) {
         let colours = radius.colours(&verdict.vertex_bend_radius_mm);
-        views.push(Picture { legend: Some(radius_legend.clone()), ..shot(&fold.sheet, &view, Some(colours), "bend radius")? });
+        views.push(Picture {
+            legend: Some(radius_legend.clone()),
+            ..shot(&fold.sheet, &view, Some(colours), "bend radius")?
+        });
     }
     Ok(views)
 }
@@ -75,7 +84,12 @@ fn views(fold: &FoldResult, analyse: &AnalyseResult) -> Result<Vec<Picture>, Run
 /// Ends of the colour scale of bend radii, mm: tighter than any soft fold, flatter than any eye sees.
 const RADIUS_SCALE_MM: [f64; 2] = [20.0, 5000.0];
 
-fn shot(sheet: &FoldedSheet, view: &View, colours: Option<Vec<[u8; 3]>>, what: &str) -> Result<Picture, RunError> {
+fn shot(
+    sheet: &FoldedSheet,
+    view: &View,
+    colours: Option<Vec<[u8; 3]>>,
+    what: &str,
+) -> Result<Picture, RunError> {
     let mesh = SceneMesh {
         positions: sheet.positions.clone(),
         triangles: sheet.mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect(),

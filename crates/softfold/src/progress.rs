@@ -54,7 +54,9 @@ impl<W: std::io::Write> Progress for Events<W> {
     }
 
     fn end(&mut self, stage: &str, seconds: f64, result: &str) {
-        self.send(&serde_json::json!({ "event": "end", "stage": stage, "seconds": seconds, "result": result }));
+        self.send(
+            &serde_json::json!({ "event": "end", "stage": stage, "seconds": seconds, "result": result }),
+        );
     }
 }
 

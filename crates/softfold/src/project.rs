@@ -421,17 +421,45 @@ impl Project {
 impl Fold {
     fn check(&self, text: &str) -> Result<(), ProjectFault> {
         for (i, a) in self.anchors.iter().enumerate() {
-            let fine = finite(&a.at) && finite(&a.target) && a.stiffness.iter().all(|k| *k >= 0.0 && k.is_finite());
-            entry(fine, text, "fold.anchors", i, &a.name, "at and target must be finite numbers, stiffness not negative")?;
+            let fine =
+                finite(&a.at) && finite(&a.target) && a.stiffness.iter().all(|k| *k >= 0.0 && k.is_finite());
+            entry(
+                fine,
+                text,
+                "fold.anchors",
+                i,
+                &a.name,
+                "at and target must be finite numbers, stiffness not negative",
+            )?;
         }
         for (i, b) in self.bands.iter().enumerate() {
-            let fine = finite(&b.from) && finite(&b.to) && [b.rest_mm, b.stiffness].iter().all(|v| *v >= 0.0 && v.is_finite());
-            entry(fine, text, "fold.bands", i, &b.name, "its ends must be finite numbers, rest_mm and stiffness not negative")?;
+            let fine = finite(&b.from)
+                && finite(&b.to)
+                && [b.rest_mm, b.stiffness].iter().all(|v| *v >= 0.0 && v.is_finite());
+            entry(
+                fine,
+                text,
+                "fold.bands",
+                i,
+                &b.name,
+                "its ends must be finite numbers, rest_mm and stiffness not negative",
+            )?;
         }
         for (i, p) in self.planes.iter().enumerate() {
-            let numbers = finite(&p.outline_from) && finite(&p.outline_to) && finite(&p.origin) && finite(&p.normal);
-            let fine = numbers && p.normal.iter().any(|c| *c != 0.0) && p.stiffness >= 0.0 && p.stiffness.is_finite();
-            entry(fine, text, "fold.planes", i, &p.name, "its points must be finite numbers, the normal not zero, stiffness not negative")?;
+            let numbers =
+                finite(&p.outline_from) && finite(&p.outline_to) && finite(&p.origin) && finite(&p.normal);
+            let fine = numbers
+                && p.normal.iter().any(|c| *c != 0.0)
+                && p.stiffness >= 0.0
+                && p.stiffness.is_finite();
+            entry(
+                fine,
+                text,
+                "fold.planes",
+                i,
+                &p.name,
+                "its points must be finite numbers, the normal not zero, stiffness not negative",
+            )?;
         }
         Ok(())
     }
@@ -442,10 +470,23 @@ fn finite(values: &[f64]) -> bool {
 }
 
 /// A fault in the `index`-th table of an array of tables.
-fn entry(fine: bool, text: &str, array: &str, index: usize, name: &str, mend: &str) -> Result<(), ProjectFault> {
+fn entry(
+    fine: bool,
+    text: &str,
+    array: &str,
+    index: usize,
+    name: &str,
+    mend: &str,
+) -> Result<(), ProjectFault> {
     let header = format!("[[{array}]]");
-    let line = || text.lines().enumerate().filter(|(_, l)| l.trim().starts_with(&header)).nth(index).map(|(i, _)| i + 1);
-    if fine { Ok(()) } else { Err(ProjectFault { line: line(), message: format!("{header} '{name}': {mend}") }) }
+    let line = || {
+        text.lines().enumerate().filter(|(_, l)| l.trim().starts_with(&header)).nth(index).map(|(i, _)| i + 1)
+    };
+    if fine {
+        Ok(())
+    } else {
+        Err(ProjectFault { line: line(), message: format!("{header} '{name}': {mend}") })
+    }
 }
 
 /// What a number must be.
@@ -481,7 +522,8 @@ impl Number {
         if fine {
             return Ok(());
         }
-        let name = if self.table.is_empty() { self.key.to_owned() } else { format!("{}.{}", self.table, self.key) };
+        let name =
+            if self.table.is_empty() { self.key.to_owned() } else { format!("{}.{}", self.table, self.key) };
         let message = format!("{name} is {v}; give {wanted}");
         Err(ProjectFault { line: line_of(text, &self.table, self.key), message })
     }
@@ -535,7 +577,8 @@ mod tests {
 
     #[test]
     fn a_fault_in_the_second_anchor_has_its_line() {
-        let anchor = "[[fold.anchors]]\nname = \"A\"\nat = [1, 2]\ntarget = [0, 0, 0]\nstiffness = [1, 1, 1]\n";
+        let anchor =
+            "[[fold.anchors]]\nname = \"A\"\nat = [1, 2]\ntarget = [0, 0, 0]\nstiffness = [1, 1, 1]\n";
         let text = format!("{LEAST}{anchor}{}", anchor.replace("[1, 2]", "[nan, 2]"));
         let fault = Project::parse(&text).unwrap_err();
         assert_eq!(fault.line, Some(11));

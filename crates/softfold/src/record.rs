@@ -17,8 +17,11 @@ pub fn report(loaded: &Loaded, results: &Results) -> json::Report {
     report.stability = results.stability.as_ref().map(|s| stability(results, s));
     report.mold = results.mold.as_ref().map(mold);
     report.verdicts = verdicts(loaded, results);
-    report.stages =
-        results.seconds.iter().map(|(name, seconds)| json::Stage { name: (*name).to_owned(), seconds: *seconds }).collect();
+    report.stages = results
+        .seconds
+        .iter()
+        .map(|(name, seconds)| json::Stage { name: (*name).to_owned(), seconds: *seconds })
+        .collect();
     report
 }
 
@@ -133,7 +136,8 @@ fn hoop_estimate(results: &Results) -> Option<f64> {
 fn analyse(loaded: &Loaded, results: &Results, a: &AnalyseResult) -> json::Analyse {
     let v = &a.verdict;
     let on_surface = results.surface.as_ref().map(|s| &s.analysis.min_radius_mm);
-    let (radius, at) = on_surface.map_or((v.min_bend_radius_mm.value, v.min_bend_radius_mm.at), |r| (r.value, r.at));
+    let (radius, at) =
+        on_surface.map_or((v.min_bend_radius_mm.value, v.min_bend_radius_mm.at), |r| (r.value, r.at));
     json::Analyse {
         min_bend_radius_mm: finite(radius),
         min_bend_radius_at: pair(at),
@@ -175,7 +179,8 @@ fn board(b: &Board) -> json::Board {
 
 fn stability(results: &Results, rest: &Rest) -> json::Stability {
     let s = &rest.stability;
-    let highest = results.fold.iter().flat_map(|f| &f.sheet.positions).map(|p| rest.rest_from_pose.point(*p).z);
+    let highest =
+        results.fold.iter().flat_map(|f| &f.sheet.positions).map(|p| rest.rest_from_pose.point(*p).z);
     let highest = highest.fold(f64::MIN, f64::max);
     json::Stability {
         stable: s.stable,
@@ -222,7 +227,14 @@ fn waffle_board(b: &softfold_mold::WaffleBoard) -> json::WaffleBoard {
 }
 
 /// One verdict.
-fn verdict(name: &str, pass: bool, figure: Option<f64>, limit: Option<f64>, unit: &str, message: String) -> json::Verdict {
+fn verdict(
+    name: &str,
+    pass: bool,
+    figure: Option<f64>,
+    limit: Option<f64>,
+    unit: &str,
+    message: String,
+) -> json::Verdict {
     json::Verdict { name: name.to_owned(), pass, figure, limit, unit: unit.to_owned(), message }
 }
 
@@ -258,12 +270,19 @@ fn rest_verdict(f: &FoldResult) -> json::Verdict {
 
 fn sheet_verdicts(loaded: &Loaded, a: &AnalyseResult) -> [json::Verdict; 2] {
     let limit = loaded.project.limits.area_error;
-    let worst = a.verdict.area_error.into_iter().max_by(|x, y| x.value.abs().total_cmp(&y.value.abs())).unwrap_or_default();
+    let worst = a
+        .verdict
+        .area_error
+        .into_iter()
+        .max_by(|x, y| x.value.abs().total_cmp(&y.value.abs()))
+        .unwrap_or_default();
     let pass = worst.value.abs() <= limit;
     let place = format!("at ({:.0}, {:.0}) mm on the sheet", worst.at.x, worst.at.y);
     let message = match pass {
         true => format!("the sheet keeps its area; the largest change is {place}"),
-        false => format!("the sheet is stretched or pressed too much {place}; fold less, use a smaller radius or a weaker hold"),
+        false => format!(
+            "the sheet is stretched or pressed too much {place}; fold less, use a smaller radius or a weaker hold"
+        ),
     };
     let hits = a.self_intersections;
     let through = match hits {
@@ -283,7 +302,9 @@ fn surface_verdicts(loaded: &Loaded, s: &SurfaceResult) -> [json::Verdict; 2] {
     let pass = d.max_mm <= limit;
     let message = match pass {
         true => format!("the surface follows the folded sheet; it is farthest at {place}"),
-        false => format!("the surface leaves the folded sheet at {place}; give a smaller surface.tolerance_mm"),
+        false => {
+            format!("the surface leaves the folded sheet at {place}; give a smaller surface.tolerance_mm")
+        }
     };
     let face = match s.faults.is_empty() {
         true => "OpenCascade finds the trimmed face valid".to_owned(),
@@ -305,7 +326,9 @@ fn radius_verdict(loaded: &Loaded, b: &Board) -> Option<json::Verdict> {
     let place = format!("({:.0}, {:.0}) mm on the sheet", tightest.at.x, tightest.at.y);
     let message = match pass {
         true => format!("the material can bend as tightly as it must; tightest at {place}"),
-        false => format!("a skin bends tighter than the material can at {place}; raise soften.radius_mm or use a thinner board"),
+        false => format!(
+            "a skin bends tighter than the material can at {place}; raise soften.radius_mm or use a thinner board"
+        ),
     };
     Some(verdict("bend radius", pass, Some(tightest.radius_mm), Some(limit), "mm", message))
 }
@@ -315,7 +338,9 @@ fn stability_verdict(loaded: &Loaded, rest: &Rest) -> json::Verdict {
     let limit = loaded.project.limits.stability_margin_mm;
     let pass = s.stable && s.margin_mm >= limit;
     let message = match (s.stable, pass) {
-        (true, true) => format!("the piece stands by itself; it falls when it is tipped by {:.1}°", s.tipping_angle_deg),
+        (true, true) => {
+            format!("the piece stands by itself; it falls when it is tipped by {:.1}°", s.tipping_angle_deg)
+        }
         (true, false) => "the piece stands, but with less margin than asked; widen its foot".to_owned(),
         (false, _) => "the piece falls over; widen its foot or bring its barycenter over it".to_owned(),
     };

@@ -3,11 +3,16 @@
 use crate::progress::Progress;
 use crate::project::{self, Project};
 use crate::{RunError, project::line_of};
-use softfold_fold::{Anchor, ClampLength, Goal, Iteration, NewtonOptions, OnPlane, RelaxOptions, SheetMaterial, Solver, Verdict};
+use softfold_fold::{
+    Anchor, ClampLength, Goal, Iteration, NewtonOptions, OnPlane, RelaxOptions, SheetMaterial, Solver,
+    Verdict,
+};
 use softfold_geometry::{CreasePattern, DVec2, DVec3, FoldedSheet, Issue, LoopId, SoftPattern};
 use softfold_kernel::{MeshView, cgal, occt};
 use softfold_mesh::{Backend, Crosscheck, MeshError, MeshOptions, Meshed, Quality};
-use softfold_mold::{Board, BoardOptions, Mold, MoldError, MoldOptions, Placement, Rest, StockOptions, WaffleOptions};
+use softfold_mold::{
+    Board, BoardOptions, Mold, MoldError, MoldOptions, Placement, Rest, StockOptions, WaffleOptions,
+};
 use softfold_pattern::ReadOptions;
 use softfold_soften::{BandFigures, CreaseSoftness, Segments, SoftenError};
 use softfold_surface::{Fitted, SurfaceAnalysis, SurfaceError, SurfaceOptions};
@@ -166,7 +171,11 @@ impl Loaded {
         let project = Project::parse(&text).map_err(|f| RunError::in_file(path, f.line, f.message))?;
         let pattern_path = path.parent().unwrap_or(Path::new("")).join(&project.pattern);
         let asked = line_of(&text, "", "pattern");
-        let mend = format!("check `pattern` in {}{}", path.display(), asked.map(|l| format!(":{l}")).unwrap_or_default());
+        let mend = format!(
+            "check `pattern` in {}{}",
+            path.display(),
+            asked.map(|l| format!(":{l}")).unwrap_or_default()
+        );
         let pattern_text = read_text(&pattern_path, &mend)?;
         Ok(Self { path: path.to_owned(), text, project, pattern_path, pattern_text })
     }
@@ -174,7 +183,11 @@ impl Loaded {
     /// The project's name: its own, or its folder's.
     pub fn name(&self) -> String {
         let stem = |p: &Path| p.file_stem().map(|s| s.to_string_lossy().into_owned());
-        self.project.name.clone().or_else(|| stem(&self.pattern_path)).unwrap_or_else(|| "softfold".to_owned())
+        self.project
+            .name
+            .clone()
+            .or_else(|| stem(&self.pattern_path))
+            .unwrap_or_else(|| "softfold".to_owned())
     }
 
     fn fault(&self, table: &str, key: &str, message: impl std::fmt::Display) -> RunError {
@@ -183,8 +196,10 @@ impl Loaded {
 }
 
 fn read_text(path: &Path, mend: &str) -> Result<String, RunError> {
-    let bytes = std::fs::read(path).map_err(|e| RunError::in_file(path, None, format!("cannot be read: {e}; {mend}")))?;
-    String::from_utf8(bytes).map_err(|_| RunError::in_file(path, None, "is no text (UTF-8); give a text file"))
+    let bytes = std::fs::read(path)
+        .map_err(|e| RunError::in_file(path, None, format!("cannot be read: {e}; {mend}")))?;
+    String::from_utf8(bytes)
+        .map_err(|_| RunError::in_file(path, None, "is no text (UTF-8); give a text file"))
 }
 
 /// Runs the stages up to `until`.
@@ -263,8 +278,12 @@ fn softness(loaded: &Loaded, pattern: &CreasePattern) -> Result<Vec<CreaseSoftne
     let soften = &loaded.project.soften;
     if let Some(unknown) = soften.creases.keys().find(|n| pattern.creases.iter().all(|c| c.name != **n)) {
         let known: Vec<&str> = pattern.creases.iter().map(|c| c.name.as_str()).collect();
-        let message = format!("[soften.creases.{unknown}]: the pattern has no such crease; it has {}", known.join(", "));
-        let line = loaded.text.lines().position(|l| l.trim().starts_with(&format!("[soften.creases.{unknown}]")));
+        let message = format!(
+            "[soften.creases.{unknown}]: the pattern has no such crease; it has {}",
+            known.join(", ")
+        );
+        let line =
+            loaded.text.lines().position(|l| l.trim().starts_with(&format!("[soften.creases.{unknown}]")));
         return Err(RunError::in_file(&loaded.path, line.map(|l| l + 1), message));
     }
     let one = |crease: &softfold_geometry::Crease| {
@@ -289,12 +308,18 @@ fn check_angle(loaded: &Loaded, crease: &softfold_geometry::Crease, angle: f64) 
         return Ok(());
     }
     if angle == 0.0 || !angle.is_finite() || angle.abs() >= 180.0 {
-        let message = format!("crease '{}' has the fold angle {angle}°; give fold_angle_deg between -180 and 180 and not 0 in [{table}]", crease.name);
+        let message = format!(
+            "crease '{}' has the fold angle {angle}°; give fold_angle_deg between -180 and 180 and not 0 in [{table}]",
+            crease.name
+        );
         return Err(loaded.fault(&table, "fold_angle_deg", message));
     }
     if angle * crease.role.sign() < 0.0 {
         let drawn = if crease.role == Role::Mountain { "mountain (-)" } else { "valley (+)" };
-        let message = format!("crease '{}' is drawn as {drawn} but its fold angle is {angle}°; change the sign or the drawing", crease.name);
+        let message = format!(
+            "crease '{}' is drawn as {drawn} but its fold angle is {angle}°; change the sign or the drawing",
+            crease.name
+        );
         return Err(loaded.fault(&table, "fold_angle_deg", message));
     }
     Ok(())
@@ -306,12 +331,19 @@ fn mesh(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> 
         project::Backend::Spade => Backend::Spade,
         project::Backend::Cgal => Backend::Cgal,
     };
-    let options = MeshOptions { target_edge_mm: wanted.target_edge_mm, seed: wanted.seed, backend, ..MeshOptions::default() };
-    let meshed = softfold_mesh::mesh(made(results.soft.as_ref())?, &options).map_err(|e| mesh_fault(loaded, &e))?;
+    let options = MeshOptions {
+        target_edge_mm: wanted.target_edge_mm,
+        seed: wanted.seed,
+        backend,
+        ..MeshOptions::default()
+    };
+    let meshed =
+        softfold_mesh::mesh(made(results.soft.as_ref())?, &options).map_err(|e| mesh_fault(loaded, &e))?;
     progress.advance(Some(0.8), "spade against CGAL");
     let crosscheck = softfold_mesh::crosscheck(&meshed.graph).map_err(defect)?;
     let quality = softfold_mesh::quality(&meshed.mesh);
-    let word = format!("{} vertices, smallest angle {:.0}°", meshed.mesh.vertices.len(), quality.min_angle_deg);
+    let word =
+        format!("{} vertices, smallest angle {:.0}°", meshed.mesh.vertices.len(), quality.min_angle_deg);
     results.mesh = Some(MeshResult { meshed, quality, crosscheck, backend });
     Ok(word)
 }
@@ -333,7 +365,8 @@ fn fold(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> 
         project::Start::Flat => mesh.vertices.iter().map(|p| p.extend(0.0)).collect(),
     };
     let mut watch = |i: Iteration| {
-        progress.advance(None, &format!("iteration {}, relative gradient {:.0e}", i.number, i.relative_gradient));
+        progress
+            .advance(None, &format!("iteration {}, relative gradient {:.0e}", i.number, i.relative_gradient));
     };
     let sheet = softfold_fold::fold(mesh, &goals, &start, &solver(&loaded.project.fold), &mut watch)
         .map_err(|e| loaded.fault("fold", "solver", e))?;
@@ -346,7 +379,12 @@ fn fold(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> 
 
 fn figure(goal: &dyn Goal, sheet: &FoldedSheet) -> GoalFigure {
     let x = &sheet.positions;
-    GoalFigure { name: goal.name().to_owned(), kind: goal.kind(), energy: goal.energy(x), residual: goal.residual(x) }
+    GoalFigure {
+        name: goal.name().to_owned(),
+        kind: goal.kind(),
+        energy: goal.energy(x),
+        residual: goal.residual(x),
+    }
 }
 
 fn solver(fold: &project::Fold) -> Solver {
@@ -354,12 +392,20 @@ fn solver(fold: &project::Fold) -> Solver {
         project::Solver::Newton => {
             let d = NewtonOptions::default();
             let relative_gradient = fold.relative_gradient.unwrap_or(d.relative_gradient);
-            Solver::Newton(NewtonOptions { relative_gradient, max_iterations: fold.max_iterations.unwrap_or(d.max_iterations), ..d })
+            Solver::Newton(NewtonOptions {
+                relative_gradient,
+                max_iterations: fold.max_iterations.unwrap_or(d.max_iterations),
+                ..d
+            })
         }
         project::Solver::Relax => {
             let d = RelaxOptions::default();
             let relative_gradient = fold.relative_gradient.unwrap_or(d.relative_gradient);
-            Solver::Relax(RelaxOptions { relative_gradient, max_iterations: fold.max_iterations.unwrap_or(d.max_iterations), ..d })
+            Solver::Relax(RelaxOptions {
+                relative_gradient,
+                max_iterations: fold.max_iterations.unwrap_or(d.max_iterations),
+                ..d
+            })
         }
     }
 }
@@ -381,11 +427,21 @@ fn goals(loaded: &Loaded, results: &Results) -> Result<Vec<Box<dyn Goal>>, RunEr
     };
     for a in &fold.anchors {
         let point = at("fold.anchors", &a.name, a.at)?;
-        goals.push(Box::new(Anchor { name: a.name.clone(), point, target: a.target.into(), stiffness: a.stiffness.into() }));
+        goals.push(Box::new(Anchor {
+            name: a.name.clone(),
+            point,
+            target: a.target.into(),
+            stiffness: a.stiffness.into(),
+        }));
     }
     for b in &fold.bands {
         let ends = [at("fold.bands", &b.name, b.from)?, at("fold.bands", &b.name, b.to)?];
-        goals.push(Box::new(ClampLength { name: b.name.clone(), ends, rest_mm: b.rest_mm, stiffness: b.stiffness }));
+        goals.push(Box::new(ClampLength {
+            name: b.name.clone(),
+            ends,
+            rest_mm: b.rest_mm,
+            stiffness: b.stiffness,
+        }));
     }
     let outline = &made(results.pattern.as_ref())?.outline;
     for p in &fold.planes {
@@ -393,7 +449,13 @@ fn goals(loaded: &Loaded, results: &Results) -> Result<Vec<Box<dyn Goal>>, RunEr
         let range = [p.outline_from, p.outline_to].map(|uv| outline.nearest(DVec2::from(uv)).0 / length_mm);
         let vertices = softfold_fold::nearest_boundary_vertices(mesh, LoopId(0), length_mm, range);
         let normal = DVec3::from(p.normal).normalize_or(DVec3::Z);
-        goals.push(Box::new(OnPlane { name: p.name.clone(), vertices, origin: p.origin.into(), normal, stiffness: p.stiffness }));
+        goals.push(Box::new(OnPlane {
+            name: p.name.clone(),
+            vertices,
+            origin: p.origin.into(),
+            normal,
+            stiffness: p.stiffness,
+        }));
     }
     Ok(goals)
 }
@@ -404,7 +466,8 @@ fn analyse(_: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Re
     progress.advance(Some(0.5), "self-intersections");
     let positions: Vec<[f64; 3]> = sheet.positions.iter().map(|p| p.to_array()).collect();
     let triangles: Vec<[u32; 3]> = sheet.mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect();
-    let pairs = cgal::self_intersections(MeshView { positions: &positions, triangles: &triangles }).map_err(defect)?;
+    let pairs = cgal::self_intersections(MeshView { positions: &positions, triangles: &triangles })
+        .map_err(defect)?;
     let [lo, hi] = verdict.area_error;
     results.analyse = Some(AnalyseResult { verdict, self_intersections: pairs.len() });
     Ok(format!("area error {:+.2} % to {:+.2} %", 100.0 * lo.value, 100.0 * hi.value))
@@ -426,7 +489,8 @@ fn surface(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) 
     let trim = &made(results.soft.as_ref())?.loops;
     let fitted = softfold_surface::fit(sheet, trim, &options).map_err(|e| surface_fault(loaded, &e))?;
     progress.advance(Some(0.7), "curvature and the trimmed face");
-    let analysis = softfold_surface::analyse(&fitted.surface, ANALYSIS_STEP * fitted.spacing_mm).map_err(defect)?;
+    let analysis =
+        softfold_surface::analyse(&fitted.surface, ANALYSIS_STEP * fitted.spacing_mm).map_err(defect)?;
     let face = softfold_mold::sheet_face(&fitted.surface).map_err(defect)?;
     let faults = occt::check(&face).map_err(defect)?;
     let face_distance_mm = face_distance_mm(&face, sheet)?;
@@ -463,7 +527,8 @@ fn board(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result
         },
     };
     let sheet = &made(results.surface.as_ref())?.fitted.surface;
-    let board = softfold_mold::make_board(sheet, &options).map_err(|e| mold_fault(loaded, "board", "thickness_mm", &e))?;
+    let board = softfold_mold::make_board(sheet, &options)
+        .map_err(|e| mold_fault(loaded, "board", "thickness_mm", &e))?;
     let word = format!("{:.1} kg", board.mass_kg);
     results.board = Some(board);
     Ok(word)
@@ -481,7 +546,11 @@ fn stability(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Re
     let contact_mm = loaded.project.stability.contact_mm;
     let rest = softfold_mold::rest_of_board(made(results.board.as_ref())?, CONTACT_STEP_MM, contact_mm)
         .map_err(|e| mold_fault(loaded, "stability", "contact_mm", &e))?;
-    let word = format!("{}, margin {:.0} mm", if rest.stability.stable { "stands" } else { "falls" }, rest.stability.margin_mm);
+    let word = format!(
+        "{}, margin {:.0} mm",
+        if rest.stability.stable { "stands" } else { "falls" },
+        rest.stability.margin_mm
+    );
     results.stability = Some(rest);
     Ok(word)
 }
@@ -505,7 +574,8 @@ fn mold(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result<
         ..MoldOptions::default()
     };
     let sheet = &made(results.surface.as_ref())?.fitted.surface;
-    let mold = softfold_mold::make_mold(sheet, &options).map_err(|e| mold_fault(loaded, "mold", "cell_mm", &e))?;
+    let mold =
+        softfold_mold::make_mold(sheet, &options).map_err(|e| mold_fault(loaded, "mold", "cell_mm", &e))?;
     let word = format!("{} parts, {} boards", mold.parts.len(), mold.waffle.boards.len());
     (results.mold, results.stock_mm) = (Some(mold), w.stock_mm);
     Ok(word)

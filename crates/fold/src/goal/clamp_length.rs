@@ -71,7 +71,7 @@ impl Goal for ClampLength {
         let shares = self.shares();
         for (n, &(i, wi)) in shares.iter().enumerate() {
             for (m, &(j, wj)) in shares.iter().enumerate() {
-                if i > j || (i == j && (n == m || n > m)) {
+                if i > j || (i == j && n >= m) {
                     // Both orders of a pair that shares a vertex count.
                     let twice = if i == j && n != m { 2.0 } else { 1.0 };
                     out.add(i, j, twice * wi * wj * block);

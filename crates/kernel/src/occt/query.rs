@@ -65,11 +65,7 @@ pub fn check(shape: &Shape) -> Result<Vec<String>> {
 pub fn mass_properties(shape: &Shape) -> Result<MassProperties> {
     let mass = run("occt::mass_properties", || ffi::mass_properties(shape.raw()))?;
     let inertia = |row: usize| std::array::from_fn(|column| mass.inertia[3 * row + column]);
-    Ok(MassProperties {
-        volume_mm3: mass.volume,
-        center: mass.center,
-        inertia: std::array::from_fn(inertia),
-    })
+    Ok(MassProperties { volume_mm3: mass.volume, center: mass.center, inertia: std::array::from_fn(inertia) })
 }
 
 /// Area of a shape's faces, mm².

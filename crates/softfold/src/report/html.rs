@@ -417,7 +417,8 @@ fn files(report: &Report) -> String {
 fn times(report: &Report) -> String {
     let time = |s: f64| with_unit((s * 100.0).round() / 100.0, "s");
     let rows: Vec<_> = report.stages.iter().map(|s| vec![s.name.clone(), time(s.seconds)]).collect();
-    let content = if rows.is_empty() { String::new() } else { scroll(&timed_table(&["Stage", "Time"], &rows)) };
+    let content =
+        if rows.is_empty() { String::new() } else { scroll(&timed_table(&["Stage", "Time"], &rows)) };
     section("times", "Times", &content)
 }
 
