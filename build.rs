@@ -129,7 +129,10 @@ fn cpp_sources() -> Outcome<Vec<PathBuf>> {
     Ok(sources)
 }
 
-/// Compiles what is stale, as many at a time as Cargo allows, and gives all objects.
+/// Units compiled at a time, at most, whatever `cargo build -j` says: one CGAL unit takes up to 2.6 GB.
+const JOBS_MAX: usize = 2;
+
+/// Compiles what is stale, as many at a time as Cargo and [`JOBS_MAX`] allow, and gives all objects.
 fn compile(build: &cc::Build, sources: &[PathBuf]) -> Outcome<Vec<PathBuf>> {
     let out = PathBuf::from(env::var("OUT_DIR")?).join("objects");
     fs::create_dir_all(&out)?;
@@ -139,6 +142,7 @@ fn compile(build: &cc::Build, sources: &[PathBuf]) -> Outcome<Vec<PathBuf>> {
     let units: Vec<Unit> = sources.iter().map(unit).collect();
     let stale = Mutex::new(units.iter().filter(|unit| unit.is_stale(&flags)));
     let jobs: usize = env::var("NUM_JOBS")?.parse()?;
+    let jobs = jobs.clamp(1, JOBS_MAX);
     let next = || stale.lock().ok().and_then(|mut stale| stale.next());
     let work = || -> Outcome {
         while let Some(unit) = next() {
@@ -147,7 +151,7 @@ fn compile(build: &cc::Build, sources: &[PathBuf]) -> Outcome<Vec<PathBuf>> {
         Ok(())
     };
     thread::scope(|scope| {
-        let workers: Vec<_> = (0..jobs.max(1)).map(|_| scope.spawn(work)).collect();
+        let workers: Vec<_> = (0..jobs).map(|_| scope.spawn(work)).collect();
         workers.into_iter().try_for_each(|worker| worker.join().map_err(|_| "a worker panicked")?)
     })?;
     Ok(units.into_iter().map(|unit| unit.object).collect())

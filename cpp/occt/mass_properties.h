@@ -1,4 +1,4 @@
-// Volume, center and inertia of a solid of density 1.
+// Volume and center of a solid of density 1.
 #pragma once
 
 #include <TopoDS_Shape.hxx>

@@ -1,6 +1,5 @@
 #include "occt/step_document.h"
 
-#include <Standard_Failure.hxx>
 #include <XCAFApp_Application.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 
@@ -17,8 +16,8 @@ StepDocument::StepDocument() {
 StepDocument::~StepDocument() {
   try {
     XCAFApp_Application::GetApplication()->Close(document);
-  } catch (const Standard_Failure&) {
-    // A document that will not close is only memory.
+  } catch (...) {
+    // A document that will not close is only memory; what leaves a destructor ends the process.
   }
 }
 

@@ -23,11 +23,16 @@ struct Traits : OpenMesh::DefaultTraits {
 
 using Mesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
 
-// OpenMesh reports on stderr; what it says there comes back as errors of ours.
+// OpenMesh reports on stderr; what it says there comes back as errors of ours. Its streams are global: they are written
+// once, by whichever thread comes first.
 inline void quiet() {
-  omlog().disable();
-  omout().disable();
-  omerr().disable();
+  static const bool once = [] {
+    omlog().disable();
+    omout().disable();
+    omerr().disable();
+    return true;
+  }();
+  static_cast<void>(once);
 }
 
 // Vertices without triangles are left out.

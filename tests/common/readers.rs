@@ -19,10 +19,13 @@ pub(crate) fn ask(script: &str, files: &[PathBuf]) -> Option<Vec<Value>> {
     Some(files.iter().map(|file| facts(&said, file)).collect())
 }
 
-/// The readers' own test, on files with planted faults: its list of failures.
+/// The readers' own test, on files with planted faults: its list of failures; `None` where the readers are not set up.
 pub(crate) fn self_test() -> Option<Value> {
     let output = python("selftest.py")?.output().expect("the reader starts");
-    serde_json::from_slice(&output.stdout).ok()
+    let (said, complaint) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "selftest.py: {}\n{said}\n{complaint}", output.status);
+    Some(serde_json::from_str(&said).unwrap_or_else(|e| panic!("selftest.py: {e}\n{said}\n{complaint}")))
 }
 
 fn facts(said: &Value, file: &Path) -> Value {

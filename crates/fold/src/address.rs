@@ -21,9 +21,6 @@ pub enum AddressError {
         /// Its distance from the nearest triangle, mm.
         distance_mm: f64,
     },
-    /// No such boundary curve.
-    #[error("the sheet has no boundary curve {0}")]
-    NoLoop(LoopId),
 }
 
 impl SheetPoint {
@@ -91,37 +88,9 @@ fn clamped_point(mesh: &FlatMesh, triangle: usize, at: DVec2) -> SheetPoint {
     SheetPoint::new(mesh.triangles[triangle].map(|v| v.0), weights.map(|w| w / sum))
 }
 
-/// The point of a boundary curve at `fraction` of its length, 0 to 1.
-///
-/// # Errors
-/// [`AddressError::NoLoop`] if the mesh has no such loop.
-pub fn on_loop(
-    mesh: &FlatMesh,
-    loop_id: LoopId,
-    length_mm: f64,
-    fraction: f64,
-) -> Result<SheetPoint, AddressError> {
-    let order = mesh.loop_vertices(loop_id);
-    let (Some(&first), Some(&last)) = (order.first(), order.last()) else {
-        return Err(AddressError::NoLoop(loop_id));
-    };
-    let s = fraction.rem_euclid(1.0) * length_mm;
-    let next = order.partition_point(|&v| arc_length(mesh, v) <= s);
-    let before = if next == 0 { last } else { order[next - 1] };
-    let after = if next == order.len() { first } else { order[next] };
-    let span = (arc_length(mesh, after) - arc_length(mesh, before)).rem_euclid(length_mm);
-    let share = if span > 0.0 { (s - arc_length(mesh, before)).rem_euclid(length_mm) / span } else { 0.0 };
-    Ok(SheetPoint::new([before.0, after.0, before.0], [1.0 - share, share, 0.0]))
-}
-
 /// Vertices of a boundary curve between two fractions of its length, running forward and
 /// wrapping at 1.
-pub fn nearest_boundary_vertices(
-    mesh: &FlatMesh,
-    loop_id: LoopId,
-    length_mm: f64,
-    range: [f64; 2],
-) -> Vec<u32> {
+pub fn boundary_vertices(mesh: &FlatMesh, loop_id: LoopId, length_mm: f64, range: [f64; 2]) -> Vec<u32> {
     let span = (range[1] - range[0]).rem_euclid(1.0);
     let inside = |v: &VertexId| (arc_length(mesh, *v) / length_mm - range[0]).rem_euclid(1.0) <= span;
     mesh.loop_vertices(loop_id).into_iter().filter(inside).map(|v| v.0).collect()
@@ -150,17 +119,10 @@ mod tests {
     }
 
     #[test]
-    fn a_place_on_the_outline_lies_between_its_neighbours() {
+    fn a_range_of_the_outline_wraps_at_its_start() {
         let mesh = strip(5, 4, 10.0);
-        let x: Vec<DVec3> = mesh.vertices.iter().map(|p| p.extend(0.0)).collect();
-        let p = on_loop(&mesh, LoopId(0), 180.0, 13.0 / 180.0).unwrap().position(&x);
-        assert!(p.distance(DVec3::new(13.0, 0.0, 0.0)) < 1e-9);
-        let wrapped = on_loop(&mesh, LoopId(0), 180.0, 179.0 / 180.0).unwrap().position(&x);
-        assert!(wrapped.distance(DVec3::new(0.0, 1.0, 0.0)) < 1e-9);
-        assert_eq!(
-            nearest_boundary_vertices(&mesh, LoopId(0), 180.0, [170.0 / 180.0, 10.0 / 180.0]).len(),
-            3
-        );
-        assert_eq!(on_loop(&mesh, LoopId(3), 1.0, 0.0), Err(AddressError::NoLoop(LoopId(3))));
+        let range = [170.0 / 180.0, 10.0 / 180.0];
+        assert_eq!(boundary_vertices(&mesh, LoopId(0), 180.0, range).len(), 3);
+        assert!(boundary_vertices(&mesh, LoopId(3), 180.0, range).is_empty());
     }
 }

@@ -137,10 +137,9 @@ fn turn_errors(sheet: &FoldedSheet) -> (Extreme, BTreeMap<CreaseId, f64>) {
     (best, by_crease)
 }
 
-/// Curvature at each vertex from the turns of its edges: a turn θ at an edge of length L bends the
-/// two triangles' area A₁ + A₂ around it; the bend's integral θ L over a third of that area is a
-/// curvature. The vertex takes the norm of the summed curvature tensors `θ L e⊥ e⊥ᵀ` (Cohen-Steiner & Morvan 2003)
-/// over its one-ring.
+/// Radius at each vertex from the summed curvature tensors `θ L e⊥ e⊥ᵀ` of the edges in its one-ring (Cohen-Steiner &
+/// Morvan 2003) over the ring's area: spokes count whole, edges of the ring by half, because half of their two
+/// triangles lies in it.
 fn vertex_bend_radii(sheet: &FoldedSheet) -> Vec<f64> {
     let n = sheet.positions.len();
     let mut tensor = vec![DMat2::ZERO; n];

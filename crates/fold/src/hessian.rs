@@ -1,7 +1,7 @@
 //! The sparse Hessian: 3×3 blocks by vertex pairs in the lower triangle of a CSC matrix.
 
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
-use glam::{DMat3, DVec3};
+use glam::DMat3;
 
 /// Lower triangle of a symmetric matrix of 3×3 blocks, stored column by column for faer.
 pub struct Hessian {
@@ -93,22 +93,6 @@ impl Hessian {
         SparseColMatRef::new(self.symbolic.as_ref(), &self.values)
     }
 
-    /// `vᵀ H v`.
-    pub fn quadratic(&self, v: &[DVec3]) -> f64 {
-        let mut sum = 0.0;
-        for (j, rows) in self.rows.iter().enumerate() {
-            for c in 0..3 {
-                let start = self.starts[3 * j + c];
-                let scalar = rows.iter().flat_map(|&i| (0..3).map(move |k| (i as usize, k))).skip(c);
-                for (n, (i, k)) in scalar.enumerate() {
-                    let term = self.values[start + n] * v[i][k] * v[j][c];
-                    sum += if n == 0 { term } else { 2.0 * term };
-                }
-            }
-        }
-        sum
-    }
-
     #[cfg(test)]
     pub fn to_dense(&self) -> Vec<Vec<f64>> {
         let n = 3 * self.rows.len();
@@ -139,10 +123,5 @@ mod tests {
         let d = h.to_dense();
         assert_eq!((d[6][0], d[7][0], d[8][0], d[6][1], d[6][2], d[0][8]), (1., 2., 3., 4., 7., 3.));
         assert_eq!((d[3][3], d[4][4], d[3][4], d[0][0]), (5.5, 5.5, 0.0, 0.5));
-        let v = [DVec3::new(1., 2., 3.), DVec3::new(-1., 0., 2.), DVec3::new(0.5, 0.25, 4.)];
-        let flat: Vec<f64> = v.iter().flat_map(|p| p.to_array()).collect();
-        let dense: f64 =
-            (0..9).flat_map(|i| (0..9).map(move |j| (i, j))).map(|(i, j)| flat[i] * d[i][j] * flat[j]).sum();
-        assert!((h.quadratic(&v) - dense).abs() < 1e-12);
     }
 }

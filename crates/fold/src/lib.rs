@@ -19,7 +19,7 @@ mod solver_tests;
 #[cfg(test)]
 mod testing;
 
-pub use address::{AddressError, SheetPoint, locate, nearest_boundary_vertices, on_loop};
+pub use address::{AddressError, SheetPoint, boundary_vertices, locate};
 pub use analyse::{Verdict, analyse};
 pub use goal::{Anchor, ClampLength, EdgeLengths, Goal, Hinges, OnPlane, Part, Scales};
 pub use material::SheetMaterial;

@@ -63,6 +63,8 @@ struct Newton<'a> {
     iterations: u32,
     /// Shift of the true Hessian, relative to its mean diagonal.
     shift: f64,
+    /// Forces below this are none, N.
+    floor: f64,
 }
 
 /// How a stage ended.
@@ -84,7 +86,15 @@ pub fn minimise(
 ) -> Result<(Vec<DVec3>, SolveRecord), FoldError> {
     let hessian = objective.empty_hessian();
     let symbolic = SymbolicLlt::try_new(hessian.symbolic(), Side::Lower).map_err(factorisation)?;
-    let mut newton = Newton { objective, symbolic, hessian, x: start.to_vec(), iterations: 0, shift: 0.0 };
+    let mut newton = Newton {
+        objective,
+        symbolic,
+        hessian,
+        x: start.to_vec(),
+        iterations: 0,
+        shift: 0.0,
+        floor: objective.force_floor(start),
+    };
     let mut stop = Stop::Converged;
     for (i, &scales) in options.ramp.iter().enumerate() {
         let last = i + 1 == options.ramp.len();
@@ -103,7 +113,7 @@ impl Newton<'_> {
         watch: &mut dyn FnMut(Iteration),
     ) -> Result<Stop, FoldError> {
         let mut gradient = self.objective.gradient(&self.x, scales);
-        while gradient.relative() > target {
+        while gradient.relative(self.floor) > target {
             if self.iterations >= budget {
                 return Ok(Stop::Budget);
             }
@@ -113,7 +123,11 @@ impl Newton<'_> {
             self.iterations += 1;
             gradient = self.objective.gradient(&self.x, scales);
             let energy = self.objective.energy(&self.x, scales);
-            watch(Iteration { number: self.iterations, energy, relative_gradient: gradient.relative() });
+            watch(Iteration {
+                number: self.iterations,
+                energy,
+                relative_gradient: gradient.relative(self.floor),
+            });
         }
         Ok(Stop::Converged)
     }
@@ -195,7 +209,7 @@ impl Newton<'_> {
 
     fn finish(self, stop: &Stop, options: &NewtonOptions) -> (Vec<DVec3>, SolveRecord) {
         let scales = options.ramp.last().copied().unwrap_or(Scales::FULL);
-        let relative_gradient = self.objective.gradient(&self.x, scales).relative();
+        let relative_gradient = self.objective.gradient(&self.x, scales).relative(self.floor);
         let why = match stop {
             Stop::Converged => format!("relative gradient below {:e}", options.relative_gradient),
             Stop::Budget => format!("budget of {} iterations spent", options.max_iterations),

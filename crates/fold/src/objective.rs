@@ -4,6 +4,9 @@ use crate::goal::{Curvature, Goal, Gradient, HessianSink, Moves, Scales};
 use crate::hessian::Hessian;
 use glam::DVec3;
 
+/// Share of the forces at the start below which forces count as none.
+const FLOOR_SHARE: f64 = 1e-3;
+
 /// All goals over one mesh, as one function to minimise.
 pub struct Objective<'a> {
     vertices: usize,
@@ -19,10 +22,15 @@ pub struct GradientSum {
 
 impl GradientSum {
     /// `‖Σ terms‖ / ‖Σ |terms|‖`: unbalanced force over the forces that are at work, the residual measure
-    /// of structural mechanics. 0 where no force is at work.
-    pub fn relative(&self) -> f64 {
-        let scale: f64 = self.magnitude.iter().map(|m| m * m).sum();
-        if scale == 0.0 { 0.0 } else { (norm_squared(&self.sum) / scale).sqrt() }
+    /// of structural mechanics; where less than `floor` (N) is at work, over that. 0 where nothing is.
+    pub fn relative(&self, floor: f64) -> f64 {
+        let scale = self.scale().max(floor);
+        if scale == 0.0 { 0.0 } else { norm_squared(&self.sum).sqrt() / scale }
+    }
+
+    /// Norm of the forces at work, N.
+    pub fn scale(&self) -> f64 {
+        self.magnitude.iter().map(|m| m * m).sum::<f64>().sqrt()
     }
 }
 
@@ -40,6 +48,12 @@ impl<'a> Objective<'a> {
     /// Energy with the parts scaled.
     pub fn energy(&self, x: &[DVec3], scales: Scales) -> f64 {
         self.goals.iter().map(|g| scales.of(g.part()) * g.energy(x)).sum()
+    }
+
+    /// Forces below this are none, N: a thousandth of what is at work at the start. A sheet that comes to rest without
+    /// any strain has only rounding left, which must not be measured against itself.
+    pub fn force_floor(&self, start: &[DVec3]) -> f64 {
+        FLOOR_SHARE * self.gradient(start, Scales::FULL).scale()
     }
 
     /// Energy of each goal by name.

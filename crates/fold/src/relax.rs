@@ -20,7 +20,7 @@ pub struct RelaxOptions {
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        Self { momentum: 0.99, relative_gradient: 1e-6, max_iterations: 200_000 }
+        Self { momentum: 0.99, relative_gradient: 1e-6, max_iterations: 50_000 }
     }
 }
 
@@ -37,12 +37,13 @@ pub fn minimise(
     let mut x = start.to_vec();
     let mut velocity = vec![DVec3::ZERO; x.len()];
     let mut number = 0;
-    let mut relative_gradient = objective.gradient(&x, Scales::FULL).relative();
+    let floor = objective.force_floor(start);
+    let mut relative_gradient = objective.gradient(&x, Scales::FULL).relative(floor);
     while relative_gradient > options.relative_gradient && number < options.max_iterations {
         step(objective, options.momentum, &mut x, &mut velocity);
         number += 1;
         if number % LOOK_EVERY == 0 || number == options.max_iterations {
-            relative_gradient = objective.gradient(&x, Scales::FULL).relative();
+            relative_gradient = objective.gradient(&x, Scales::FULL).relative(floor);
             watch(Iteration { number, energy: objective.energy(&x, Scales::FULL), relative_gradient });
         }
     }

@@ -41,6 +41,7 @@ fn a_soft_straight_fold_is_the_inscribed_polygon_of_its_cylinder() {
     let mesh = soft_fold();
     for start in [upright(&mesh), shaken(&upright(&mesh), 0.4)] {
         let sheet = run(&mesh, &MATERIAL.goals(&mesh), &start, &Solver::default());
+        assert!(sheet.solve.converged, "{:?}", sheet.solve);
         assert!(sheet.solve.energy < 1e-10, "energy {}", sheet.solve.energy);
         // Middles of the strips touch a cylinder of radius x / (2 tan(θ/2n)), corners lie on one of x / (2 sin(θ/2n)).
         let half_turn = FOLD_RAD / 8.0;

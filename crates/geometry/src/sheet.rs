@@ -1,6 +1,6 @@
 //! The folded sheet: the flat mesh with its positions in space.
 
-use crate::{CheckError, Edge, FlatMesh, TriMesh, TriangleId, VertexId};
+use crate::{CheckError, Edge, FlatMesh, TriangleId, VertexId};
 use glam::DVec3;
 
 /// How a solver ended; no clock here, the pipeline measures time.
@@ -48,16 +48,6 @@ impl FoldedSheet {
         (b - a).cross(c - a).normalize_or_zero()
     }
 
-    /// Area-weighted unit normal at each vertex.
-    pub fn vertex_normals(&self) -> Vec<DVec3> {
-        let mut sums = vec![DVec3::ZERO; self.positions.len()];
-        for t in &self.mesh.triangles {
-            let [a, b, c] = t.map(|v| self.position(v));
-            t.iter().for_each(|v| sums[v.index()] += (b - a).cross(c - a));
-        }
-        sums.into_iter().map(DVec3::normalize_or_zero).collect()
-    }
-
     /// Turn at an interior edge, rad in (−π, π], + valley (both sides rise towards the onlooker);
     /// none on the boundary.
     pub fn turn_rad(&self, edge: &Edge) -> Option<f64> {
@@ -65,12 +55,6 @@ impl FoldedSheet {
         let direction =
             (self.position(edge.vertices[1]) - self.position(edge.vertices[0])).normalize_or_zero();
         Some(right.cross(left).dot(direction).atan2(left.dot(right)))
-    }
-
-    /// The folded sheet as a triangle mesh.
-    pub fn to_tri_mesh(&self) -> TriMesh {
-        let triangles = self.mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect();
-        TriMesh { positions: self.positions.clone(), triangles }
     }
 
     /// The contract of this type.

@@ -118,7 +118,8 @@ pub fn distances_to_mesh(points: &[[f64; 3]], mesh: MeshView<'_>) -> Result<Vec<
 }
 
 /// Union, intersection or difference of two closed, outward oriented meshes; the result is closed and outward
-/// oriented, and empty if nothing is left.
+/// oriented, and empty if nothing is left. The order of its vertices and triangles depends on its shape alone: CGAL's
+/// changes with the addresses of memory.
 ///
 /// # Errors
 /// A mesh that is not closed, not outward oriented or intersects itself (where the two meet); a result that would not
@@ -129,7 +130,7 @@ pub fn boolean(a: MeshView<'_>, b: MeshView<'_>, operation: BooleanOperation) ->
     check::mesh(OPERATION, b)?;
     let ((a_positions, a_triangles), (b_positions, b_triangles)) = (flat(a), flat(b));
     ffi::boolean(a_positions, a_triangles, b_positions, b_triangles, operation.code())
-        .map(MeshBuffers::from)
+        .map(|mesh| MeshBuffers::from(mesh).canonical())
         .map_err(Library::Cgal.failure(OPERATION))
 }
 

@@ -123,6 +123,26 @@ fn booleans_of_boxes_have_the_volumes_of_boxes() {
     }
 }
 
+/// A body that many small ones are cut out of, as marks are out of a printed part.
+fn engraved() -> MeshBuffers {
+    (0..6).fold(box_mesh([0.0; 3], [70.0, 30.0, 10.0]), |body, i| {
+        let x = 5.0 + 10.3 * f64::from(i);
+        let mark = box_mesh([x, 7.1, 8.0], [x + 4.7, 21.9, 12.0]);
+        cgal::boolean(body.view(), mark.view(), BooleanOperation::Difference).unwrap()
+    })
+}
+
+#[test]
+fn the_same_boolean_gives_the_same_arrays() {
+    let first = engraved();
+    // Memory in use moves what CGAL allocates, and with that its order.
+    let held: Vec<Vec<u8>> = (1..2000).map(|i| vec![1; 37 * i % 4096]).collect();
+    assert_eq!(first, engraved());
+    let elsewhere = std::thread::spawn(engraved).join().unwrap();
+    assert_eq!(first, elsewhere);
+    drop(held);
+}
+
 #[test]
 fn disjoint_solids_have_an_empty_intersection() {
     let mesh =

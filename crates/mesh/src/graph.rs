@@ -72,7 +72,13 @@ impl<'a> GraphBuilder<'a> {
         let mut places: Vec<f64> = ends.filter(|e| e.loop_id == loop_id).map(|e| e.s_mm).collect();
         places.extend(corners(curve));
         places.sort_by(f64::total_cmp);
-        places.dedup_by(|a, b| (*a - *b).abs() < SAME_PLACE * self.options.target_edge_mm);
+        let same = SAME_PLACE * self.options.target_edge_mm;
+        places.dedup_by(|a, b| (*a - *b).abs() < same);
+        // The curve closes: a place just before its end is its start.
+        let wraps = |p: &[f64]| p.len() > 1 && p[0] + curve.length_mm() - p[p.len() - 1] < same;
+        if wraps(&places) {
+            places.pop();
+        }
         places
     }
 
@@ -116,6 +122,13 @@ impl<'a> GraphBuilder<'a> {
         let places = &self.on_loops[end.loop_id.index()];
         places.iter().min_by(|a, b| apart(a.0).total_cmp(&apart(b.0))).map(|p| p.1)
     }
+}
+
+/// Vertices that a band asks for: rows along it times its lines, and as many again where the mesh grows coarser.
+pub(crate) fn band_vertices(band: &Band, options: &MeshOptions) -> f64 {
+    let longest = band.fold_lines.iter().map(|l| polygon::length_mm(&l.points)).fold(0.0, f64::max);
+    let rows = longest / band_edge_mm(band, options);
+    rows * (2 * band.fold_lines.len()) as f64
 }
 
 /// Points and turns at equal arc lengths of the fold line's polyline.

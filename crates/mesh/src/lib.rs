@@ -88,7 +88,8 @@ pub enum MeshError {
     },
     /// The mesh would be larger than memory allows.
     #[error(
-        "mesh.target_edge_mm = {target_edge_mm} asks for about {vertices:.0} vertices, more than {limit}; make it larger"
+        "mesh.target_edge_mm = {target_edge_mm} and the bands ask for about {vertices:.0} vertices, more than {limit}; make it \
+         larger, or give bands fewer segments or a larger radius (0 keeps a crease sharp)"
     )]
     TooMany {
         /// The option.
@@ -171,7 +172,8 @@ fn check_options(soft: &SoftPattern, options: &MeshOptions) -> Result<(), MeshEr
     positive("target_edge_mm", options.target_edge_mm)?;
     positive("band_aspect", options.band_aspect)?;
     positive("grading", options.grading)?;
-    let vertices = VERTEX_DENSITY * soft.area_mm2() / options.target_edge_mm.powi(2);
+    let on_bands: f64 = soft.bands.iter().map(|b| graph::band_vertices(b, options)).sum();
+    let vertices = VERTEX_DENSITY * soft.area_mm2() / options.target_edge_mm.powi(2) + on_bands;
     if vertices > f64::from(MOST_VERTICES) {
         let target_edge_mm = options.target_edge_mm;
         return Err(MeshError::TooMany { target_edge_mm, vertices, limit: MOST_VERTICES });

@@ -14,11 +14,18 @@ pub(crate) struct SizeField {
     sources: RTree<GeomWithData<[f64; 2], f64>>,
 }
 
-/// Edge length along a band: the strip's width times the aspect, no longer than the target.
+/// Shortest edges along a band, share of the target: narrower strips get longer triangles, or a hair-thin band would ask
+/// for millions of them.
+const SHORTEST: f64 = 0.25;
+
+/// Edge length along a band: the strip's width times the aspect, between a quarter of the target and the target.
 pub(crate) fn band_edge_mm(band: &Band, options: &MeshOptions) -> f64 {
     match band.fold_lines.len() {
         0 | 1 => options.target_edge_mm,
-        _ => (options.band_aspect * band.strip_width_mm).min(options.target_edge_mm),
+        _ => {
+            let shortest = SHORTEST * options.target_edge_mm;
+            (options.band_aspect * band.strip_width_mm).clamp(shortest, options.target_edge_mm)
+        }
     }
 }
 

@@ -1,8 +1,9 @@
 //! The board: the sheet with its thickness.
 
-use crate::error::{During, MoldError, not_negative, positive};
+use crate::area::area_mm2;
+use crate::error::{During, MoldError, Setting};
 use crate::samples::{LatticeSample, TrimIndex, border};
-use crate::spline::{bspline, face, trim_loops};
+use crate::spline::{bspline, trim_loops};
 use glam::{DVec2, DVec3};
 use softfold_geometry::{PlanarCurve, SheetSurface, SurfacePoint, UniformBicubic, surface::DEGREE};
 use softfold_kernel::occt::{self, Shape};
@@ -46,6 +47,17 @@ impl Default for BoardOptions {
     /// Fiber cement of 8 mm.
     fn default() -> Self {
         Self { thickness_mm: 8.0, density_kg_m3: 1700.0, placement: Placement::Mid }
+    }
+}
+
+impl BoardOptions {
+    /// Whether the options make sense, whatever the sheet.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub fn check(&self) -> Result<(), MoldError> {
+        Setting::of("board", "thickness_mm", "board thickness (mm)").positive(self.thickness_mm)?;
+        Setting::of("material", "density_kg_m3", "board density (kg/m3)").not_negative(self.density_kg_m3)
     }
 }
 
@@ -94,8 +106,7 @@ pub struct Board {
 /// Options that are not positive, a trim that leaves the surface, skins that pass a centre of curvature, a solid that
 /// OpenCascade does not find valid.
 pub fn make_board(sheet: &SheetSurface, options: &BoardOptions) -> Result<Board, MoldError> {
-    positive("board thickness (mm)", options.thickness_mm)?;
-    not_negative("board density (kg/m3)", options.density_kg_m3)?;
+    options.check()?;
     let places = places(sheet)?;
     let offsets = options.placement.offsets_mm(options.thickness_mm);
     let curved = curvatures(&sheet.spline, &places);
@@ -106,7 +117,6 @@ pub fn make_board(sheet: &SheetSurface, options: &BoardOptions) -> Result<Board,
         .during(|| "the board".into())?;
     require_valid(&shape, "the board")?;
     let mass = occt::mass_properties(&shape).during(|| "the board's mass".into())?;
-    let area = face(sheet).and_then(|f| occt::area(&f)).during(|| "the sheet's area".into())?;
     Ok(Board {
         shape,
         lower,
@@ -114,7 +124,7 @@ pub fn make_board(sheet: &SheetSurface, options: &BoardOptions) -> Result<Board,
         trim: sheet.trim.clone(),
         thickness_mm: options.thickness_mm,
         volume_mm3: mass.volume_mm3,
-        area_mid_mm2: area,
+        area_mid_mm2: area_mm2(sheet),
         mass_kg: mass.volume_mm3 * options.density_kg_m3 * PER_CUBIC_MM,
         barycenter_mm: DVec3::from(mass.center),
         min_radius_mm: offsets.map(|d| smallest_radius(&curved, d)),
@@ -272,6 +282,16 @@ mod tests {
     }
 
     #[test]
+    fn a_board_of_no_thickness_is_refused_at_its_line() {
+        for (value, place) in [(f64::NAN, ("board", "thickness_mm")), (0.0, ("board", "thickness_mm"))] {
+            assert_eq!(options(value, Placement::Mid).check().unwrap_err().place(), place);
+        }
+        let weightless = BoardOptions { density_kg_m3: f64::INFINITY, ..Default::default() };
+        assert_eq!(weightless.check().unwrap_err().place(), ("material", "density_kg_m3"));
+        BoardOptions::default().check().unwrap();
+    }
+
+    #[test]
     fn a_cylinder_board_has_its_closed_form_volume() {
         // A strip of arc length 120 and length 80 on radius 150: θ·L·(r_o² − r_i²)/2.
         let sheet = shapes::cylinder(shapes::rectangle(120.0, 80.0));
@@ -340,7 +360,7 @@ mod tests {
     fn a_board_on_the_ground_stands_on_its_lower_skin() {
         let sheet = shapes::cylinder(shapes::ellipse(80.0, 50.0));
         let board = make_board(&sheet, &options(8.0, Placement::Mid)).unwrap();
-        let rest = crate::stability_of_board(&board, 2.0, 0.2).unwrap();
+        let rest = crate::stability(&board.points(2.0).unwrap(), board.barycenter_mm, 0.2).unwrap();
         assert!((rest.ground_z_mm + 4.0).abs() < 1e-3 && rest.stable, "{rest:?}");
         // Contact reaches x = sqrt(2 R·0.2) = 7.8 mm to each side on the lower skin's radius 154.
         assert!((rest.margin_mm - 7.8).abs() < 2.0, "{}", rest.margin_mm);

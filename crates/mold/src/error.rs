@@ -10,6 +10,10 @@ pub enum MoldError {
     Option {
         /// The option, with its unit.
         option: &'static str,
+        /// Table of the project file that sets it; empty if none does.
+        table: &'static str,
+        /// Key in that table; empty if none does.
+        key: &'static str,
         /// What it was set to.
         value: f64,
         /// What it should be.
@@ -90,6 +94,17 @@ pub enum MoldError {
 }
 
 impl MoldError {
+    /// Table and key of the project file that the mend points at; empty where it points at none.
+    pub fn place(&self) -> (&'static str, &'static str) {
+        match self {
+            Self::Option { table, key, .. } => (table, key),
+            Self::OffsetTooThick { .. } => ("board", "thickness_mm"),
+            Self::PartTooLarge { .. } => ("mold", "cell_mm"),
+            Self::BoardTooLarge { .. } => ("waffle", "stock_mm"),
+            Self::Surface(_) | Self::NoSheet { .. } | Self::Kernel { .. } | Self::Invalid { .. } => ("", ""),
+        }
+    }
+
     /// Whether softfold is at fault, not what the user asked for.
     pub fn is_defect(&self) -> bool {
         matches!(self, Self::Surface(_) | Self::NoSheet { .. } | Self::Kernel { .. })
@@ -108,18 +123,88 @@ impl<T> During<T> for softfold_kernel::Result<T> {
     }
 }
 
-/// Refuses an option that is not a positive number.
-pub(crate) fn positive(option: &'static str, value: f64) -> Result<(), MoldError> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(MoldError::Option { option, value, mend: "it must be a positive number" })
+/// An option: its name with its unit, and what sets it in the project file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Setting {
+    option: &'static str,
+    table: &'static str,
+    key: &'static str,
 }
 
-/// Refuses an option that is negative or no number.
-pub(crate) fn not_negative(option: &'static str, value: f64) -> Result<(), MoldError> {
-    if value >= 0.0 && value.is_finite() {
-        return Ok(());
+impl Setting {
+    /// An option that `key` of `table` sets.
+    pub(crate) const fn of(table: &'static str, key: &'static str, option: &'static str) -> Self {
+        Self { option, table, key }
     }
-    Err(MoldError::Option { option, value, mend: "it must be zero or a positive number" })
+
+    /// An option that the project file does not set.
+    pub(crate) const fn inner(option: &'static str) -> Self {
+        Self::of("", "", option)
+    }
+
+    /// The error that this option has a value that makes no sense.
+    pub(crate) fn refused(self, value: f64, mend: &'static str) -> MoldError {
+        let Self { option, table, key } = self;
+        MoldError::Option { option, table, key, value, mend }
+    }
+
+    /// Refuses what does not hold.
+    pub(crate) fn require(self, holds: bool, value: f64, mend: &'static str) -> Result<(), MoldError> {
+        if holds { Ok(()) } else { Err(self.refused(value, mend)) }
+    }
+
+    /// Refuses what is not a positive number.
+    pub(crate) fn positive(self, value: f64) -> Result<(), MoldError> {
+        self.require(value > 0.0 && value.is_finite(), value, "it must be a positive number")
+    }
+
+    /// Refuses what is negative or no number.
+    pub(crate) fn not_negative(self, value: f64) -> Result<(), MoldError> {
+        self.require(value >= 0.0 && value.is_finite(), value, "it must be zero or a positive number")
+    }
+
+    /// Refuses what is no number.
+    pub(crate) fn finite(self, value: f64) -> Result<(), MoldError> {
+        self.require(value.is_finite(), value, "it must be a number")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_mend_points_at_its_line() {
+        let option = Setting::of("waffle", "cutter_mm", "cutter (mm)").refused(9.0, "smaller");
+        let thick = MoldError::OffsetTooThick {
+            at: DVec2::ZERO,
+            offset_mm: 4.0,
+            radius_mm: 3.0,
+            largest_thickness_mm: 6.0,
+        };
+        let part = MoldError::PartTooLarge {
+            name: "A1".into(),
+            size_mm: DVec3::splat(300.0),
+            printer_mm: [256.0; 3],
+            cell_mm: 300.0,
+            smaller_mm: 250.0,
+        };
+        let board = MoldError::BoardTooLarge {
+            name: "W1".into(),
+            size_mm: DVec2::splat(3e3),
+            stock_mm: [2440.0, 1220.0],
+        };
+        let places = [
+            (&option, ("waffle", "cutter_mm")),
+            (&thick, ("board", "thickness_mm")),
+            (&part, ("mold", "cell_mm")),
+            (&board, ("waffle", "stock_mm")),
+        ];
+        for (error, place) in places {
+            assert_eq!(error.place(), place);
+            assert!(!error.is_defect(), "{error}");
+        }
+        assert_eq!(MoldError::NoSheet { fault: String::new() }.place(), ("", ""));
+        assert_eq!(Setting::inner("steps").refused(0.0, "more").place(), ("", ""));
+    }
 }

@@ -1,8 +1,10 @@
 //! The grid that cuts the mold into parts: where it starts, and which slivers join their neighbours.
 
-use crate::error::MoldError;
+use crate::error::{MoldError, Setting};
 use crate::plan::strip;
+use crate::relief::Relief;
 use crate::split::Axis;
+use crate::top::Patch;
 use glam::{DVec2, DVec3};
 use softfold_geometry::polygon;
 
@@ -11,6 +13,11 @@ const NOTHING: f64 = 1e-9;
 /// A piece touches the side of its square if it comes this near, mm: the chord error of the plan and more.
 const TOUCHES_MM: f64 = 0.1;
 
+/// A box fits if it is larger by no more than this, mm: rounding of a sum of cells.
+const FITS_MM: f64 = 1e-6;
+
+/// The cell as an option.
+pub(crate) const CELL: Setting = Setting::of("mold", "cell_mm", "mold cell (mm)");
 /// More squares than any mold has parts: 22 m by 22 m at 221 mm.
 const MOST_SQUARES: usize = 10_000;
 
@@ -44,6 +51,7 @@ pub(crate) struct Limits {
     pub(crate) cell_mm: f64,
     pub(crate) sliver_mm2: f64,
     pub(crate) printer_mm: [f64; 3],
+    pub(crate) thickness_mm: f64,
 }
 
 /// The mold in one square.
@@ -55,19 +63,27 @@ pub(crate) struct Piece {
     pub(crate) upper: DVec3,
 }
 
-/// How good a grid is, the smaller the better: parts, slivers left, and minus the smallest piece.
-type Score = (usize, usize, f64);
+/// How good a grid is, the most important first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Score {
+    /// Parts that do not fit the printer.
+    unfit: usize,
+    /// Parts in all.
+    parts: usize,
+    /// Slivers that could not be joined.
+    slivers: usize,
+    /// Area of the smallest part in plan.
+    least_mm2: f64,
+}
+
 /// Worse than any grid.
-const NO_SCORE: Score = (usize::MAX, usize::MAX, 0.0);
+const NO_SCORE: Score = Score { unfit: usize::MAX, parts: usize::MAX, slivers: usize::MAX, least_mm2: 0.0 };
 
 impl Grid {
     /// Refuses a grid of so many squares that the side must be a slip.
     pub(crate) fn require_sane(&self) -> Result<(), MoldError> {
-        if self.columns * self.rows <= MOST_SQUARES {
-            return Ok(());
-        }
-        let mend = "it cuts the mold into more than 10000 squares; make it larger";
-        Err(MoldError::Option { option: "mold cell (mm)", value: self.cell_mm, mend })
+        let sane = self.columns.saturating_mul(self.rows) <= MOST_SQUARES;
+        CELL.require(sane, self.cell_mm, "it cuts the mold into more than 10000 squares; make it larger")
     }
 
     /// Lower and upper corner of a square.
@@ -95,38 +111,46 @@ impl Cell {
     }
 }
 
-/// The best of `steps × steps` evenly shifted grids for these plan polygons: fewest parts, then fewest slivers, then the
-/// largest smallest piece; the first of equals.
-pub(crate) fn choose(loops: &[Vec<DVec2>], limits: &Limits, steps: usize) -> (Grid, Score) {
+/// The best of `steps × steps` evenly shifted grids for these plan polygons: fewest parts that do not fit the printer,
+/// then fewest parts, then fewest slivers, then the largest smallest piece; the first of equals. `sheet` is what the
+/// polygons border.
+pub(crate) fn choose(loops: &[Vec<DVec2>], sheet: &Patch, limits: &Limits, steps: usize) -> (Grid, Score) {
     let (lower, upper) = polygon::bounds(&loops.concat());
-    let shift = limits.cell_mm / steps as f64;
-    let candidates = (0..steps * steps).map(|k| {
-        let origin = lower - shift * DVec2::new((k / steps) as f64, (k % steps) as f64);
-        let grid = Grid::at(origin, upper, limits.cell_mm);
-        (grid, score(&pieces(loops, &grid), limits))
-    });
     let first = Grid::at(lower, upper, limits.cell_mm);
     if first.require_sane().is_err() {
         return (first, NO_SCORE);
     }
+    // Every candidate's lines are lines of the bins.
+    let shift = limits.cell_mm / steps as f64;
+    let relief = Relief::new(sheet, [lower, upper], shift);
+    let candidates = (0..steps * steps).map(|k| {
+        let origin = lower - shift * DVec2::new((k / steps) as f64, (k % steps) as f64);
+        let grid = Grid::at(origin, upper, limits.cell_mm);
+        (grid, score(&pieces(loops, &grid, &relief, limits.thickness_mm), limits))
+    });
     let best = |best: (Grid, Score), c: (Grid, Score)| if better(&c.1, &best.1) { c } else { best };
     candidates.fold((first, NO_SCORE), best)
 }
 
 /// Whether one score is better than another.
 pub(crate) fn better(a: &Score, b: &Score) -> bool {
-    (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)).is_lt()
+    let counts = |s: &Score| [s.unfit, s.parts, s.slivers];
+    counts(a).cmp(&counts(b)).then(b.least_mm2.total_cmp(&a.least_mm2)).is_lt()
 }
 
 fn score(pieces: &[Piece], limits: &Limits) -> Score {
     let groups = join_slivers(pieces, limits);
     let areas: Vec<f64> = groups.iter().map(|g| g.iter().map(|&i| pieces[i].area_mm2).sum()).collect();
-    let slivers = areas.iter().filter(|a| **a < limits.sliver_mm2).count();
-    (groups.len(), slivers, -areas.iter().copied().fold(f64::INFINITY, f64::min))
+    Score {
+        unfit: groups.iter().filter(|g| !fits(size(g, pieces), limits.printer_mm)).count(),
+        parts: groups.len(),
+        slivers: areas.iter().filter(|a| **a < limits.sliver_mm2).count(),
+        least_mm2: areas.iter().copied().fold(f64::INFINITY, f64::min),
+    }
 }
 
-/// The plan's pieces in the squares of a grid, by column, then row.
-fn pieces(loops: &[Vec<DVec2>], grid: &Grid) -> Vec<Piece> {
+/// The mold's pieces in the squares of a grid, by column, then row.
+fn pieces(loops: &[Vec<DVec2>], grid: &Grid, relief: &Relief, thickness_mm: f64) -> Vec<Piece> {
     let mut pieces = Vec::new();
     let span = |from: f64, k: usize| [from + k as f64 * grid.cell_mm, from + (k + 1) as f64 * grid.cell_mm];
     for column in 0..grid.columns {
@@ -137,8 +161,10 @@ fn pieces(loops: &[Vec<DVec2>], grid: &Grid) -> Vec<Piece> {
             let area_mm2: f64 = cut.iter().map(|l| polygon::signed_area_mm2(l)).sum();
             if area_mm2 > NOTHING * grid.cell_mm * grid.cell_mm {
                 let (lower, upper) = polygon::bounds(&cut[0]);
-                let (lower, upper) = (lower.extend(0.0), upper.extend(0.0));
-                pieces.push(Piece { cell: Cell { column, row }, area_mm2, lower, upper });
+                let cell = Cell { column, row };
+                let [lowest, highest] = relief.over(grid.square_mm(cell)[0], grid.cell_mm);
+                let (lower, upper) = (lower.extend(lowest - thickness_mm), upper.extend(highest));
+                pieces.push(Piece { cell, area_mm2, lower, upper });
             }
         }
     }
@@ -189,14 +215,24 @@ fn may_join(members: &[usize], pieces: &[Piece], limits: &Limits) -> bool {
     let first = pieces[members[0]];
     let in_line = members.iter().all(|&i| pieces[i].cell.row == first.cell.row)
         || members.iter().all(|&i| pieces[i].cell.column == first.cell.column);
+    in_line && fits(size(members, pieces), limits.printer_mm)
+}
+
+/// Size of the box around pieces.
+fn size(members: &[usize], pieces: &[Piece]) -> DVec3 {
     let lower = members.iter().map(|&i| pieces[i].lower).fold(DVec3::INFINITY, DVec3::min);
     let upper = members.iter().map(|&i| pieces[i].upper).fold(DVec3::NEG_INFINITY, DVec3::max);
-    in_line && fits(upper - lower, limits.printer_mm)
+    upper - lower
 }
 
 /// Whether a box fits the printer, as it is or turned a quarter about z.
-pub(crate) fn fits(size: DVec3, printer_mm: [f64; 3]) -> bool {
-    let [x, y, z] = printer_mm;
+fn fits(size: DVec3, printer_mm: [f64; 3]) -> bool {
+    fits_within(size, printer_mm, FITS_MM)
+}
+
+/// The same with so much slack.
+pub(crate) fn fits_within(size: DVec3, printer_mm: [f64; 3], slack_mm: f64) -> bool {
+    let [x, y, z] = printer_mm.map(|side| side + slack_mm);
     size.z <= z && ((size.x <= x && size.y <= y) || (size.x <= y && size.y <= x))
 }
 
@@ -217,7 +253,47 @@ fn collect(group: &[usize], pieces: &[Piece]) -> Vec<Vec<usize>> {
 mod tests {
     use super::*;
 
-    const LIMITS: Limits = Limits { cell_mm: 100.0, sliver_mm2: 500.0, printer_mm: [120.0, 120.0, 120.0] };
+    const LIMITS: Limits =
+        Limits { cell_mm: 100.0, sliver_mm2: 500.0, printer_mm: [120.0; 3], thickness_mm: 20.0 };
+
+    fn choose(loops: &[Vec<DVec2>], limits: &Limits, steps: usize) -> (Grid, Score) {
+        super::choose(loops, &Patch::default(), limits, steps)
+    }
+
+    #[test]
+    fn absurd_cells_are_refused() {
+        for cell_mm in [1e-20, 1e-3] {
+            let (grid, _) = choose(&rectangle(300.0, 200.0), &Limits { cell_mm, ..LIMITS }, 20);
+            assert_eq!(grid.require_sane().unwrap_err().place(), ("mold", "cell_mm"));
+        }
+    }
+
+    #[test]
+    fn a_cell_as_large_as_the_printer_fits_it() {
+        let limits = Limits { cell_mm: 0.1 * 1001.0, printer_mm: [100.1; 3], ..LIMITS };
+        let (_, score) = choose(&rectangle(5.0 * limits.cell_mm, 3.0 * limits.cell_mm), &limits, 7);
+        assert_eq!((score.unfit, score.parts), (0, 15), "{score:?}");
+    }
+
+    #[test]
+    fn a_grid_whose_parts_fit_comes_before_one_of_even_parts() {
+        // 180 mm with a slope of one from the middle on: cut there, the right part is 90 + 20 mm high.
+        let corner = |x: f64, y: f64| DVec3::new(x, y, (x - 90.0).max(0.0));
+        let row = |y: f64| [corner(0., y), corner(90., y), corner(180., y)];
+        let positions = [row(0.0), row(80.0)].concat();
+        let triangles = vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
+        let sheet = Patch { positions, triangles };
+        let cut_at = |z: f64| {
+            let limits = Limits { printer_mm: [120.0, 120.0, z], ..LIMITS };
+            let (grid, score) = super::choose(&rectangle(180.0, 80.0), &sheet, &limits, 20);
+            (grid.origin_mm.x + 100.0, score.unfit, score.parts)
+        };
+        assert_eq!(cut_at(115.0), (90.0, 0, 2), "even parts");
+        assert_eq!(cut_at(102.0), (100.0, 0, 2), "both fit");
+        let (_, unfit, parts) = cut_at(80.0);
+        assert_eq!((unfit, parts), (0, 3), "one more part, and all fit");
+        assert_eq!(cut_at(30.0).1, 1, "no grid fits: one of the fewest that do not");
+    }
 
     fn rectangle(w: f64, h: f64) -> Vec<Vec<DVec2>> {
         vec![[(0., 0.), (w, 0.), (w, h), (0., h)].map(DVec2::from).to_vec()]
@@ -232,7 +308,7 @@ mod tests {
     #[test]
     fn a_rectangle_of_whole_squares_needs_no_more() {
         let (grid, score) = choose(&rectangle(300.0, 200.0), &LIMITS, 20);
-        assert_eq!((grid.columns, grid.rows, score.0, score.1), (3, 2, 6, 0));
+        assert_eq!((grid.columns, grid.rows, score.parts, score.slivers), (3, 2, 6, 0));
         assert_eq!(grid.origin_mm, DVec2::ZERO);
     }
 
@@ -241,8 +317,9 @@ mod tests {
         // 304 mm are four columns; the last is a sliver of 4 mm that three squares take up.
         let limits = LIMITS;
         let (grid, score) = choose(&rectangle(304.0, 200.0), &limits, 1);
-        assert_eq!((grid.columns, score.0, score.1), (4, 6, 0));
-        let groups = join_slivers(&pieces(&rectangle(304.0, 200.0), &grid), &limits);
+        assert_eq!((grid.columns, score.parts, score.slivers), (4, 6, 0));
+        let groups =
+            join_slivers(&pieces(&rectangle(304.0, 200.0), &grid, &Relief::default(), 20.0), &limits);
         assert!(groups.iter().filter(|g| g.len() == 2).count() == 2);
     }
 
@@ -250,7 +327,7 @@ mod tests {
     fn a_rest_that_does_not_fit_stays_and_is_told() {
         let limits = Limits { printer_mm: [101.0; 3], ..LIMITS };
         let (_, score) = choose(&rectangle(304.0, 100.0), &limits, 1);
-        assert_eq!((score.0, score.1), (4, 1));
+        assert_eq!((score.parts, score.slivers), (4, 1));
     }
 
     #[test]
@@ -261,6 +338,9 @@ mod tests {
             .collect();
         let (_, plain) = choose(std::slice::from_ref(&lens), &LIMITS, 1);
         let (_, best) = choose(&[lens], &LIMITS, 20);
-        assert!(!better(&plain, &best) && best.0 <= plain.0 && best.1 == 0, "{plain:?} {best:?}");
+        assert!(
+            !better(&plain, &best) && best.parts <= plain.parts && best.slivers == 0,
+            "{plain:?} {best:?}"
+        );
     }
 }

@@ -5,12 +5,13 @@
 //! Lengths are mm, z is up, angles are radians unless a name says `_deg`.
 //!
 //! ```text
-//! SheetSurface ── make_board ──► Board ── stability_of_board ──► Stability
+//! SheetSurface ── make_board ──► Board ── rest_of_board ──► Rest { stability, .. }
 //!       └─────── make_mold ───► Mold { pose, shape, parts, waffle { boards, nest } }
 //! ```
 //! Inside: `samples` looks at a surface inside its trim, `top` triangulates it, `split` cuts it along the grid that
-//! `grid` chose, `parts` makes solids of the pieces, `tool` makes one solid of all that is cut out of a piece.
+//! `grid` chose by the outline in plan and the heights in `relief`, `parts` makes solids of the pieces, `tool` makes one solid of all that is cut out of a piece.
 
+mod area;
 mod board;
 mod cap;
 mod contour;
@@ -24,6 +25,7 @@ mod nest;
 mod parts;
 mod plan;
 mod pose;
+mod relief;
 mod rest;
 mod samples;
 mod spline;
@@ -41,11 +43,11 @@ pub use contour::{Contour, ProfileSegment};
 pub use error::MoldError;
 pub use grid::{Cell, Grid};
 pub use marks::MarkOptions;
-pub use mold::{Mold, MoldOptions, make_mold};
+pub use mold::{Mold, MoldOptions, make_mold, make_mold_watched};
 pub use nest::{Nest, Placed, Sheet, StockOptions, nest};
 pub use parts::Part;
 pub use pose::{MoldPose, PoseChoice, Undercut, find_pose};
 pub use rest::{Rest, rest, rest_of_board};
 pub use spline::face as sheet_face;
-pub use stability::{Stability, stability, stability_of_board};
+pub use stability::{Stability, stability};
 pub use waffle::{DroppedBoard, Waffle, WaffleBoard, WaffleOptions};

@@ -1,6 +1,6 @@
 //! Names and orientation dots on the underside of parts.
 
-use crate::error::{MoldError, positive};
+use crate::error::{MoldError, Setting};
 use crate::glyphs;
 use crate::height::HeightField;
 use crate::tool::Region;
@@ -49,9 +49,9 @@ impl Default for MarkOptions {
 
 impl MarkOptions {
     pub(crate) fn check(&self) -> Result<(), MoldError> {
-        positive("height of the part names (mm)", self.text_mm)?;
-        positive("stroke of the part names (mm)", self.stroke_mm)?;
-        positive("depth of the part names (mm)", self.depth_mm)
+        Setting::inner("height of the part names (mm)").positive(self.text_mm)?;
+        Setting::inner("stroke of the part names (mm)").positive(self.stroke_mm)?;
+        Setting::inner("depth of the part names (mm)").positive(self.depth_mm)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The mold: a solid under the sheet, cut into parts that fit a printer, on a waffle of boards.
 
-use crate::error::{During, MoldError, not_negative, positive};
-use crate::grid::{Cell, Grid, Limits, Piece, better, choose, join_slivers};
+use crate::error::{During, MoldError, Setting};
+use crate::grid::{CELL, Cell, Grid, Limits, Piece, better, choose, join_slivers};
 use crate::height::HeightField;
 use crate::marks::MarkOptions;
 use crate::parts::{Common, Job, Part, make_parts};
@@ -18,6 +18,13 @@ use softfold_kernel::occt::{self, Shape};
 
 /// The plan that the grid is chosen for is looked at this often per lattice cell.
 const PLAN_STEPS_PER_CELL: f64 = 2.0;
+
+/// Sides of the grid's squares, mm: below, more walls than parts; above, 100 m, no printer.
+const CELLS_MM: [f64; 2] = [1.0, 1e5];
+/// More steps of the grid's origin than this each way try places that differ by less than a saw cut.
+const MOST_STEPS: usize = 50;
+/// A rotation's columns may be off from unit and square by this: rounding of a matrix that was written down.
+const ROTATION_ERROR: f64 = 1e-6;
 
 /// How the mold is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,19 +109,33 @@ pub struct Mold {
 /// Options that make no sense, a trim that leaves the surface, a part that does not fit the printer, a waffle board that
 /// does not fit the stock, a library that cannot do the whole solid.
 pub fn make_mold(sheet: &SheetSurface, options: &MoldOptions) -> Result<Mold, MoldError> {
+    make_mold_watched(sheet, options, &mut |_| {})
+}
+
+/// [`make_mold`] that tells `watch`, on the caller's thread, which share of the parts is made: after each, so that the
+/// last word is 1.
+///
+/// # Errors
+/// As [`make_mold`].
+pub fn make_mold_watched(
+    sheet: &SheetSurface,
+    options: &MoldOptions,
+    watch: &mut dyn FnMut(f64),
+) -> Result<Mold, MoldError> {
     options.check()?;
-    let (pose, grid) = pose_and_grid(sheet, options)?;
+    let lying = triangulate(sheet, &TrimIndex::new(sheet)?, options.chord_mm)?;
+    let (pose, grid) = pose_and_grid(sheet, &lying, options)?;
     grid.require_sane()?;
     let placed = moved(sheet, &pose.mold_from_sheet);
     let top = face(&placed).during(|| "the mold's upper face".into())?;
     let shape = occt::prism(&top, [0.0, 0.0, -options.thickness_mm]).during(|| "the mold".into())?;
     let faults = occt::check(&shape).during(|| "the mold".into())?;
     let volume_mm3 = options.thickness_mm * plan::area_mm2(&placed);
-    let patch = triangulate(&placed, &TrimIndex::new(&placed)?, options.chord_mm)?;
+    let patch = lying.moved(&pose.mold_from_sheet);
     let (waffle, grooves) = carried(&patch, options)?;
     let jobs = jobs(patch, &grid, options);
     let common = Common { grid: &grid, grooves: &grooves, options };
-    let parts = make_parts(&jobs, &top, &common, options.threads)?;
+    let parts = make_parts(&jobs, &top, &common, options.threads, watch)?;
     let slivers = parts.iter().filter(|p| p.plain_volume_mm3 < options.sliver_mm3);
     let slivers = slivers.map(|p| p.name.clone()).collect();
     let plan = plan::loops(&placed, placed.spline.spacing_mm / PLAN_STEPS_PER_CELL);
@@ -122,25 +143,59 @@ pub fn make_mold(sheet: &SheetSurface, options: &MoldOptions) -> Result<Mold, Mo
 }
 
 impl MoldOptions {
-    fn check(&self) -> Result<(), MoldError> {
-        positive("mold thickness (mm)", self.thickness_mm)?;
-        positive("mold cell (mm)", self.cell_mm)?;
-        self.printer_mm.iter().try_for_each(|&side| positive("printer room (mm)", side))?;
-        positive("origin steps", self.origin_steps as f64)?;
-        not_negative("sliver volume (mm3)", self.sliver_mm3)?;
-        positive("chord error of the mold (mm)", self.chord_mm)?;
-        not_negative("decimation error (mm)", self.decimate_mm)?;
-        self.marks.iter().try_for_each(MarkOptions::check)
+    /// Whether the options make sense, those of waffle, stock and marks included, whatever the sheet.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub fn check(&self) -> Result<(), MoldError> {
+        let thickness = Setting::of("mold", "thickness_mm", "mold thickness (mm)");
+        thickness.positive(self.thickness_mm)?;
+        CELL.positive(self.cell_mm)?;
+        let cells = CELLS_MM[0]..=CELLS_MM[1];
+        CELL.require(cells.contains(&self.cell_mm), self.cell_mm, "it must be between 1 mm and 100 m")?;
+        let printer = Setting::of("mold", "printer_mm", "printer room (mm)");
+        self.printer_mm.iter().try_for_each(|&side| printer.positive(side))?;
+        let fits = self.thickness_mm <= self.printer_mm[2];
+        thickness.require(
+            fits,
+            self.thickness_mm,
+            "it must be less than the height of the printer's room",
+        )?;
+        let steps = Setting::inner("origin steps");
+        let known = (1..=MOST_STEPS).contains(&self.origin_steps);
+        steps.require(known, self.origin_steps as f64, "it must be between 1 and 50")?;
+        let turn = Setting::inner("turn against the grid (degrees)");
+        self.turns_deg.iter().try_for_each(|&t| turn.finite(t))?;
+        Setting::inner("sliver volume (mm3)").not_negative(self.sliver_mm3)?;
+        Setting::inner("chord error of the mold (mm)").positive(self.chord_mm)?;
+        Setting::inner("decimation error (mm)").not_negative(self.decimate_mm)?;
+        self.check_pose()?;
+        self.marks.iter().try_for_each(MarkOptions::check)?;
+        self.waffle.iter().try_for_each(WaffleOptions::check)
+    }
+
+    fn check_pose(&self) -> Result<(), MoldError> {
+        let PoseChoice::Rotation(rotation) = self.pose else { return Ok(()) };
+        let off = (rotation.transpose() * rotation - DMat3::IDENTITY).to_cols_array();
+        let turns = rotation.is_finite() && off.iter().all(|e| e.abs() < ROTATION_ERROR);
+        let determinant = rotation.determinant();
+        let pose = Setting::inner("determinant of the mold's rotation");
+        pose.require(turns && determinant > 0.0, determinant, "the matrix must be a rotation")
     }
 
     fn limits(&self) -> Limits {
         let sliver_mm2 = self.sliver_mm3 / self.thickness_mm;
-        Limits { cell_mm: self.cell_mm, sliver_mm2, printer_mm: self.printer_mm }
+        let Self { cell_mm, printer_mm, thickness_mm, .. } = *self;
+        Limits { cell_mm, sliver_mm2, printer_mm, thickness_mm }
     }
 }
 
-/// The pose and the grid that suit each other best.
-fn pose_and_grid(sheet: &SheetSurface, options: &MoldOptions) -> Result<(MoldPose, Grid), MoldError> {
+/// The pose and the grid that suit each other best. `lying` is the sheet's triangles in its own coordinates.
+fn pose_and_grid(
+    sheet: &SheetSurface,
+    lying: &Patch,
+    options: &MoldOptions,
+) -> Result<(MoldPose, Grid), MoldError> {
     let upright = find_pose(sheet, &options.pose, options.thickness_mm)?;
     let look = Look::at(sheet)?;
     let step_mm = sheet.spline.spacing_mm / PLAN_STEPS_PER_CELL;
@@ -149,7 +204,8 @@ fn pose_and_grid(sheet: &SheetSurface, options: &MoldOptions) -> Result<(MoldPos
         let turn = DMat3::from_rotation_z(turned_deg.to_radians());
         let pose = look.pose(turn * upright.mold_from_sheet.rotation, options.thickness_mm);
         let loops = plan::loops(&moved(sheet, &pose.mold_from_sheet), step_mm);
-        let (grid, score) = choose(&loops, &options.limits(), options.origin_steps);
+        let (grid, score) =
+            choose(&loops, &lying.moved(&pose.mold_from_sheet), &options.limits(), options.origin_steps);
         if best.as_ref().is_none_or(|(_, _, b)| better(&score, b)) {
             best = Some((pose, Grid { turned_deg, ..grid }, score));
         }
@@ -189,6 +245,7 @@ fn measured([column, row]: [usize; 2], patch: &Patch, options: &MoldOptions) -> 
 mod tests {
     use super::*;
     use crate::error::MoldError;
+    use crate::nest::StockOptions;
     use crate::shapes;
 
     fn small() -> MoldOptions {
@@ -279,6 +336,80 @@ mod tests {
         };
         assert!(size_mm.z > 100.0 && *smaller_mm < 90.0, "{refused:?}");
         assert!(refused.unwrap_err().to_string().starts_with("part A"));
+    }
+
+    #[test]
+    fn the_grid_gives_way_to_the_printers_height() {
+        // The same slope of one: cut in the middle into even parts, one is 110 mm high.
+        let steep = |p: DVec2| DVec3::new(p.x, p.y, p.x.max(0.0));
+        let sheet = shapes::sheet(shapes::rectangle(180.0, 80.0), steep);
+        let pose = PoseChoice::Rotation(DMat3::IDENTITY);
+        let options =
+            MoldOptions { pose, waffle: None, marks: None, printer_mm: [130.0, 130.0, 102.0], ..small() };
+        let mold = make_mold(&sheet, &options).unwrap();
+        assert_eq!(mold.parts.len(), 2);
+        assert!(mold.parts.iter().all(|p| p.valid && p.size_mm.z <= 102.0));
+    }
+
+    #[test]
+    fn the_watch_sees_every_part() {
+        let sheet = shapes::cylinder(shapes::ellipse(150.0, 90.0));
+        let mut seen = Vec::new();
+        let options = MoldOptions { threads: 2, ..small() };
+        let mold = make_mold_watched(&sheet, &options, &mut |share| seen.push(share)).unwrap();
+        let n = mold.parts.len();
+        assert_eq!(seen, (1..=n).map(|k| k as f64 / n as f64).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn options_that_make_no_sense_are_refused_at_their_line() {
+        let m = MoldOptions::default;
+        let waffle = |w: WaffleOptions| MoldOptions { waffle: Some(w), ..m() };
+        let w = WaffleOptions::default;
+        let stock = |size_mm| waffle(WaffleOptions { stock: StockOptions { size_mm, ..w().stock }, ..w() });
+        let mark =
+            |text_mm| MoldOptions { marks: Some(MarkOptions { text_mm, ..Default::default() }), ..m() };
+        let turned = PoseChoice::Rotation(2.0 * DMat3::IDENTITY);
+        let refused = [
+            (MoldOptions { cell_mm: 1e-20, ..m() }, ("mold", "cell_mm")),
+            (MoldOptions { cell_mm: 1e20, ..m() }, ("mold", "cell_mm")),
+            (MoldOptions { thickness_mm: 300.0, ..m() }, ("mold", "thickness_mm")),
+            (MoldOptions { origin_steps: 0, ..m() }, ("", "")),
+            (MoldOptions { origin_steps: usize::MAX, ..m() }, ("", "")),
+            (MoldOptions { turns_deg: vec![f64::NAN], ..m() }, ("", "")),
+            (MoldOptions { pose: turned, ..m() }, ("", "")),
+            (waffle(WaffleOptions { cutter_mm: 16.0, ..w() }), ("waffle", "cutter_mm")),
+            (waffle(WaffleOptions { pitch_mm: 15.0, ..w() }), ("waffle", "pitch_mm")),
+            (stock([15.0, 1220.0]), ("waffle", "stock_mm")),
+        ];
+        for (options, place) in refused {
+            assert_eq!(options.check().unwrap_err().place(), place, "{options:?}");
+        }
+        for bad in [f64::NAN, f64::INFINITY, -1.0] {
+            let refused = [
+                (MoldOptions { thickness_mm: bad, ..m() }, ("mold", "thickness_mm")),
+                (MoldOptions { cell_mm: bad, ..m() }, ("mold", "cell_mm")),
+                (MoldOptions { printer_mm: [256.0, bad, 256.0], ..m() }, ("mold", "printer_mm")),
+                (MoldOptions { sliver_mm3: bad, ..m() }, ("", "")),
+                (MoldOptions { chord_mm: bad, ..m() }, ("", "")),
+                (MoldOptions { decimate_mm: bad, ..m() }, ("", "")),
+                (mark(bad), ("", "")),
+                (waffle(WaffleOptions { board_mm: bad, ..w() }), ("waffle", "board_mm")),
+                (waffle(WaffleOptions { pitch_mm: bad, ..w() }), ("waffle", "pitch_mm")),
+                (waffle(WaffleOptions { clearance_mm: bad, ..w() }), ("waffle", "clearance_mm")),
+                (waffle(WaffleOptions { cutter_mm: bad, ..w() }), ("waffle", "cutter_mm")),
+                (waffle(WaffleOptions { least_length_mm: bad, ..w() }), ("", "")),
+                (stock([2440.0, bad]), ("waffle", "stock_mm")),
+            ];
+            for (options, place) in refused {
+                assert_eq!(options.check().unwrap_err().place(), place, "{options:?}");
+            }
+        }
+        for bad in [f64::NAN, f64::INFINITY] {
+            let skew = waffle(WaffleOptions { angle_deg: bad, ..w() });
+            assert_eq!(skew.check().unwrap_err().place(), ("waffle", "angle_deg"));
+        }
+        m().check().unwrap();
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Boards placed on stock sheets.
 
-use crate::error::{MoldError, not_negative, positive};
+use crate::error::{MoldError, Setting};
 use glam::{DVec2, Vec2Swizzles as _};
 
 /// The sheets that boards are cut from.
@@ -18,6 +18,17 @@ impl Default for StockOptions {
     /// A full plywood sheet; room for a 6 mm cutter on both sides of a cut.
     fn default() -> Self {
         Self { size_mm: [2440.0, 1220.0], margin_mm: 10.0, spacing_mm: 12.0 }
+    }
+}
+
+impl StockOptions {
+    pub(crate) fn check(&self) -> Result<(), MoldError> {
+        let size = Setting::of("waffle", "stock_mm", "side of the stock sheet (mm)");
+        self.size_mm.iter().try_for_each(|&side| size.positive(side))?;
+        Setting::inner("margin of the stock sheet (mm)").not_negative(self.margin_mm)?;
+        Setting::inner("spacing between boards (mm)").not_negative(self.spacing_mm)?;
+        let least = self.size_mm[0].min(self.size_mm[1]);
+        size.require(least > 2.0 * self.margin_mm, least, "it must be more than the margins on both sides")
     }
 }
 
@@ -63,10 +74,7 @@ struct Shelf {
 /// # Errors
 /// A box larger than a sheet without its margin; options that make no sense.
 pub fn nest(sizes: &[(String, DVec2)], stock: &StockOptions) -> Result<Nest, MoldError> {
-    positive("length of the stock sheet (mm)", stock.size_mm[0])?;
-    positive("width of the stock sheet (mm)", stock.size_mm[1])?;
-    not_negative("margin of the stock sheet (mm)", stock.margin_mm)?;
-    not_negative("spacing between boards (mm)", stock.spacing_mm)?;
+    stock.check()?;
     let room = DVec2::from(stock.size_mm) - 2.0 * stock.margin_mm;
     let laid =
         sizes.iter().map(|(name, size)| lay(name, *size, room, stock)).collect::<Result<Vec<_>, _>>()?;

@@ -1,7 +1,7 @@
 //! Printable parts: exact solids by OpenCascade, engraved closed meshes by CGAL and OpenMesh.
 
 use crate::error::{During, MoldError};
-use crate::grid::{Cell, Grid, fits};
+use crate::grid::{Cell, Grid, fits_within};
 use crate::height::HeightField;
 use crate::marks;
 use crate::mold::MoldOptions;
@@ -13,6 +13,7 @@ use glam::{DVec2, DVec3};
 use softfold_geometry::{TriMesh, polygon};
 use softfold_kernel::occt::{self, Shape};
 use softfold_kernel::{BooleanOperation, MeshBuffers, MeshView, cgal, openmesh};
+use std::sync::mpsc;
 
 /// The cutting box reaches this far above and below the sheet, and the tools below the mold, mm: any room will do.
 const ROOM_MM: f64 = 10.0;
@@ -20,10 +21,13 @@ const ROOM_MM: f64 = 10.0;
 const BEYOND_MM: f64 = 5.0;
 /// Share by which an inner part's plan may differ from the whole square: rounding of a sum of many triangles.
 const WHOLE: f64 = 1e-9;
+/// A part fits the printer if it is larger by no more than this, mm: far more than rounding, far less than a layer.
+const PRINTER_SLACK_MM: f64 = 1e-3;
 /// Mesh and exact solid must agree in volume to this share before marks and grooves.
 const VOLUME_SHARE: f64 = 5e-4;
-/// Vertices nearer than this are one after the boolean, mm: rounding of intersection points.
-const MERGE_MM: f64 = 1e-6;
+/// Vertices nearer than this are one, mm: the largest that leaves a closed mesh is taken. The first is far below what
+/// prints, the last what single precision tells apart at two metres.
+const MERGES_MM: [f64; 3] = [1e-3, 3e-4, 1.2e-4];
 
 /// One part of the mold that is printed as it is, in the mold's coordinates.
 #[derive(Debug)]
@@ -73,7 +77,7 @@ pub(crate) struct Common<'a> {
 }
 
 /// Makes all parts on `threads` threads, each with its own copy of the sheet's face; the result does not depend on how
-/// many there are.
+/// many there are. After each part `watch` is told the share that is made, on the caller's thread.
 ///
 /// # Errors
 /// A face that cannot be copied, or a part that does not fit the printer.
@@ -82,28 +86,38 @@ pub(crate) fn make_parts(
     face: &Shape,
     common: &Common<'_>,
     threads: usize,
+    watch: &mut dyn FnMut(f64),
 ) -> Result<Vec<Part>, MoldError> {
     jobs.iter().try_for_each(|job| common.require_fit(job))?;
     let workers = threads.clamp(1, jobs.len().max(1));
     let copies: Vec<Shape> = (0..workers)
         .map(|_| face.try_clone().during(|| "a copy of the sheet's face".into()))
         .collect::<Result<_, _>>()?;
-    let share = |k: usize, face: Shape| -> Vec<(usize, Part)> {
-        (k..jobs.len()).step_by(workers).map(|i| (i, common.part(&jobs[i], &face))).collect()
+    // A thread that nobody listens to any more stops.
+    let share = |k: usize, face: Shape, made: mpsc::Sender<(usize, Part)>| {
+        let parts = (k..jobs.len()).step_by(workers).map(|i| (i, common.part(&jobs[i], &face)));
+        for part in parts {
+            if made.send(part).is_err() {
+                break;
+            }
+        }
     };
+    // A panic in a thread goes on in the caller when the scope ends.
     let mut made: Vec<(usize, Part)> = std::thread::scope(|scope| {
-        let share = &share;
-        let started: Vec<_> =
-            copies.into_iter().enumerate().map(|(k, face)| scope.spawn(move || share(k, face))).collect();
-        started.into_iter().flat_map(|worker| joined(worker.join())).collect()
+        let (sender, made) = mpsc::channel();
+        for (k, face) in copies.into_iter().enumerate() {
+            let (share, sender) = (&share, sender.clone());
+            scope.spawn(move || share(k, face, sender));
+        }
+        drop(sender);
+        let told = made.into_iter().enumerate().map(|(before, part)| {
+            watch((before + 1) as f64 / jobs.len() as f64);
+            part
+        });
+        told.collect()
     });
     made.sort_by_key(|(i, _)| *i);
     Ok(made.into_iter().map(|(_, part)| part).collect())
-}
-
-/// What a thread made; a panic goes on in the caller.
-fn joined<T>(result: std::thread::Result<T>) -> T {
-    result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 impl Common<'_> {
@@ -148,7 +162,7 @@ impl Common<'_> {
         let (lower, upper) =
             (positions().fold(DVec3::INFINITY, DVec3::min), positions().fold(-DVec3::INFINITY, DVec3::max));
         let size_mm = upper - lower + DVec3::Z * self.options.thickness_mm;
-        if fits(size_mm, printer_mm) {
+        if fits_within(size_mm, printer_mm, PRINTER_SLACK_MM) {
             return Ok(());
         }
         let (name, cell_mm) = (job.cell.name(), self.grid.cell_mm);
@@ -280,17 +294,40 @@ fn canonical(mesh: &MeshBuffers) -> MeshBuffers {
     MeshBuffers { positions: order.iter().map(|&i| point(i)).collect(), triangles }
 }
 
-/// Cleaned, with fewer triangles if that leaves a sound mesh, and checked.
+/// As it is written to files, with fewer triangles if that leaves a sound mesh, and checked.
 fn finished(mesh: &MeshBuffers, decimate_mm: f64) -> Result<MeshBuffers, String> {
-    let clean = openmesh::clean(mesh.view(), MERGE_MM).map_err(|e| e.to_string())?.mesh;
-    if decimate_mm > 0.0 {
-        let fewer = openmesh::decimate(clean.view(), decimate_mm).map_err(|e| e.to_string())?;
-        let crossing = cgal::self_intersections(fewer.view()).map_err(|e| e.to_string())?;
-        if crossing.is_empty() && require_closed(&fewer).is_ok() {
-            return Ok(fewer);
+    let mut said = String::new();
+    for merge_mm in MERGES_MM {
+        let clean = as_written(mesh, merge_mm)?;
+        match require_closed(&clean) {
+            Ok(()) => return Ok(with_fewer_triangles(&clean, decimate_mm, merge_mm)?.unwrap_or(clean)),
+            Err(fault) => said = fault,
         }
     }
-    require_closed(&clean).map(|()| clean)
+    Err(said)
+}
+
+fn with_fewer_triangles(
+    mesh: &MeshBuffers,
+    decimate_mm: f64,
+    merge_mm: f64,
+) -> Result<Option<MeshBuffers>, String> {
+    if decimate_mm == 0.0 {
+        return Ok(None);
+    }
+    let fewer = openmesh::decimate(mesh.view(), decimate_mm).map_err(|e| e.to_string())?;
+    let fewer = as_written(&fewer, merge_mm)?;
+    let crossing = cgal::self_intersections(fewer.view()).map_err(|e| e.to_string())?;
+    Ok((crossing.is_empty() && require_closed(&fewer).is_ok()).then_some(fewer))
+}
+
+/// Vertices that are one in the single precision of STL files are one here, so that a file is as closed as the mesh.
+fn as_written(mesh: &MeshBuffers, merge_mm: f64) -> Result<MeshBuffers, String> {
+    let clean =
+        |m: &MeshBuffers| openmesh::clean(m.view(), merge_mm).map(|c| c.mesh).map_err(|e| e.to_string());
+    let mut single = clean(mesh)?;
+    single.positions.iter_mut().flatten().for_each(|c| *c = f64::from(*c as f32));
+    clean(&single)
 }
 
 fn require_closed(mesh: &MeshBuffers) -> Result<(), String> {

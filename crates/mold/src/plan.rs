@@ -2,7 +2,7 @@
 
 use crate::samples::border_of;
 use crate::split::Axis;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use softfold_geometry::{PlanarCurve, SheetSurface};
 
 /// The trim in plan: outline, then holes, looked at every `step_mm`.
@@ -12,7 +12,7 @@ pub(crate) fn loops(sheet: &SheetSurface, step_mm: f64) -> Vec<Vec<DVec2>> {
 }
 
 /// Nodes and weights of Gauss and Legendre on −1..1: exact to degree 9.
-const GAUSS: [(f64, f64); 5] = [
+pub(crate) const GAUSS: [(f64, f64); 5] = [
     (0.0, 128.0 / 225.0),
     (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
@@ -23,41 +23,77 @@ const GAUSS: [(f64, f64); 5] = [
 /// Area of the trimmed surface in plan, mm²: `∮ x dy` along the trim, by quadrature on pieces no longer than half a
 /// lattice cell. A prism over it has this area times its height for volume.
 pub(crate) fn area_mm2(sheet: &SheetSurface) -> f64 {
+    along_trim(&sheet.trim, 0.5 * sheet.spline.spacing_mm, |uv, tangent| {
+        let p = sheet.spline.at(uv);
+        p.position.x * (p.first[0] * tangent.x + p.first[1] * tangent.y).y
+    })
+}
+
+/// Integral by arc length, along closed curves, of what has a value at a point and a unit tangent, by quadrature on
+/// pieces no longer than `piece_mm`.
+pub(crate) fn along_trim(trim: &[PlanarCurve], piece_mm: f64, value: impl Fn(DVec2, DVec2) -> f64) -> f64 {
     let piece = |curve: &PlanarCurve, from: f64, to: f64| -> f64 {
         let half = 0.5 * (to - from);
-        let value = |(node, weight): (f64, f64)| {
+        let term = |(node, weight): (f64, f64)| {
             let s = from + half * (1.0 + node);
-            let (p, t) = (sheet.spline.at(curve.point(s)), curve.tangent(s));
-            weight * half * p.position.x * (p.first[0] * t.x + p.first[1] * t.y).y
+            weight * half * value(curve.point(s), curve.tangent(s))
         };
-        GAUSS.into_iter().map(value).sum()
+        GAUSS.into_iter().map(term).sum()
     };
-    let mut area = 0.0;
-    for curve in &sheet.trim {
+    let mut sum = 0.0;
+    for curve in trim {
         for joint in curve.joints_mm().windows(2) {
-            let n = (2.0 * (joint[1] - joint[0]) / sheet.spline.spacing_mm).ceil().max(1.0);
+            let n = ((joint[1] - joint[0]) / piece_mm).ceil().max(1.0);
             let at = |k: usize| joint[0] + (joint[1] - joint[0]) * k as f64 / n;
-            area += (0..n as usize).map(|k| piece(curve, at(k), at(k + 1))).sum::<f64>();
+            sum += (0..n as usize).map(|k| piece(curve, at(k), at(k + 1))).sum::<f64>();
         }
     }
-    area
+    sum
+}
+
+/// A point that can be seen from above.
+pub(crate) trait InPlan: Copy {
+    /// Where it is seen.
+    fn plan(self) -> DVec2;
+    /// The point at a share of the way to another.
+    fn between(self, other: Self, share: f64) -> Self;
+}
+
+impl InPlan for DVec2 {
+    fn plan(self) -> DVec2 {
+        self
+    }
+
+    fn between(self, other: Self, share: f64) -> Self {
+        self.lerp(other, share)
+    }
+}
+
+impl InPlan for DVec3 {
+    fn plan(self) -> DVec2 {
+        self.truncate()
+    }
+
+    fn between(self, other: Self, share: f64) -> Self {
+        self.lerp(other, share)
+    }
 }
 
 /// The part of a polygon where `axis` is between two values (Sutherland and Hodgman, 1974). Pieces that the strip takes
 /// apart stay joined along its sides: areas and boxes are right, the outline is not simple.
-pub(crate) fn strip(polygon: &[DVec2], axis: Axis, [from, to]: [f64; 2]) -> Vec<DVec2> {
+pub(crate) fn strip<P: InPlan>(polygon: &[P], axis: Axis, [from, to]: [f64; 2]) -> Vec<P> {
     half(&half(polygon, axis, from, 1.0), axis, to, -1.0)
 }
 
 /// The part where `(axis − value)·side` is not negative.
-fn half(polygon: &[DVec2], axis: Axis, value: f64, side: f64) -> Vec<DVec2> {
-    let depth = |p: DVec2| (axis.of2(p) - value) * side;
+fn half<P: InPlan>(polygon: &[P], axis: Axis, value: f64, side: f64) -> Vec<P> {
+    let depth = |p: P| (axis.of2(p.plan()) - value) * side;
     let mut kept = Vec::with_capacity(polygon.len() + 2);
     for (i, &b) in polygon.iter().enumerate() {
         let a = polygon[(i + polygon.len() - 1) % polygon.len()];
         let (da, db) = (depth(a), depth(b));
         if (da < 0.0) != (db < 0.0) {
-            kept.push(a.lerp(b, da / (da - db)));
+            kept.push(a.between(b, da / (da - db)));
         }
         if db >= 0.0 {
             kept.push(b);

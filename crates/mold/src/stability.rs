@@ -1,7 +1,6 @@
 //! Whether a body stands as it is put on the ground.
 
-use crate::board::Board;
-use crate::error::{During, MoldError, positive};
+use crate::error::{During, MoldError, Setting};
 use glam::{DVec2, DVec3};
 use softfold_geometry::polygon;
 use softfold_kernel::cgal;
@@ -32,7 +31,7 @@ pub struct Stability {
 /// # Errors
 /// No points, coordinates that are not finite, a contact tolerance that is not positive.
 pub fn stability(points: &[DVec3], barycenter: DVec3, contact_mm: f64) -> Result<Stability, MoldError> {
-    positive("contact tolerance (mm)", contact_mm)?;
+    Setting::of("stability", "contact_mm", "contact tolerance (mm)").positive(contact_mm)?;
     let ground_z_mm = points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
     let contact: Vec<[f64; 2]> =
         points.iter().filter(|p| p.z <= ground_z_mm + contact_mm).map(|p| [p.x, p.y]).collect();
@@ -49,15 +48,6 @@ pub fn stability(points: &[DVec3], barycenter: DVec3, contact_mm: f64) -> Result
         contact_points: contact.len(),
         ground_z_mm,
     })
-}
-
-/// How a board rests: both skins looked at every `step_mm`.
-///
-/// # Errors
-/// As [`stability`] and [`Board::points`].
-pub fn stability_of_board(board: &Board, step_mm: f64, contact_mm: f64) -> Result<Stability, MoldError> {
-    positive("step of the contact points (mm)", step_mm)?;
-    stability(&board.points(step_mm)?, board.barycenter_mm, contact_mm)
 }
 
 /// Signed distance to the border of a convex polygon, positive inside.
@@ -142,6 +132,9 @@ mod tests {
     #[test]
     fn nothing_and_a_tolerance_of_none_are_refused() {
         assert!(matches!(stability(&[], DVec3::ZERO, 0.5), Err(MoldError::Kernel { .. })));
-        assert!(matches!(stability(&table(), DVec3::ZERO, 0.0), Err(MoldError::Option { .. })));
+        assert!(matches!(
+            stability(&table(), DVec3::ZERO, 0.0),
+            Err(MoldError::Option { key: "contact_mm", .. })
+        ));
     }
 }

@@ -3,7 +3,7 @@
 use crate::error::{During, MoldError};
 use crate::samples::TrimIndex;
 use glam::{DVec2, DVec3};
-use softfold_geometry::{PlanarCurve, SheetSurface, UniformBicubic};
+use softfold_geometry::{PlanarCurve, RigidTransform, SheetSurface, UniformBicubic};
 use softfold_kernel::cgal;
 use std::collections::{BTreeSet, HashMap};
 
@@ -165,6 +165,12 @@ fn inside(triangles: &[[u32; 3]], borders: &BTreeSet<[u32; 2]>) -> Vec<[u32; 3]>
 }
 
 impl Patch {
+    /// The same in another place.
+    pub(crate) fn moved(&self, to: &RigidTransform) -> Self {
+        let positions = self.positions.iter().map(|p| to.point(*p)).collect();
+        Self { positions, triangles: self.triangles.clone() }
+    }
+
     /// Without the vertices that no triangle uses.
     pub(crate) fn compact(&self) -> Self {
         let mut renamed = vec![u32::MAX; self.positions.len()];

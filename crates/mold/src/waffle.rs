@@ -1,7 +1,7 @@
 //! The waffle: crossing boards that carry the mold.
 
 use crate::contour::{Contour, Pen};
-use crate::error::{MoldError, not_negative, positive};
+use crate::error::{MoldError, Setting};
 use crate::glyphs;
 use crate::height::HeightField;
 use crate::nest::{Nest, StockOptions, nest};
@@ -22,6 +22,13 @@ const ACROSS: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 const NAME_MARGIN_MM: f64 = 10.0;
 /// Names are at most this share of the board's least height.
 const NAME_SHARE: f64 = 0.4;
+
+/// Two boards do not touch if the gap between them is short of the wanted one by no more than this, mm: rounding.
+const CLEAR_SLACK_MM: f64 = 1e-6;
+/// More boards each way than any mold needs: 260 m at the usual pitch.
+const MOST_BOARDS: f64 = 1000.0;
+/// The pitch as an option.
+const PITCH: Setting = Setting::of("waffle", "pitch_mm", "pitch of the waffle (mm)");
 
 /// How the waffle is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +110,7 @@ pub struct WaffleBoard {
     pub placement: RigidTransform,
 }
 
-/// A board that would have been too short.
+/// A board that would have been too short, or would have crossed no other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DroppedBoard {
     /// The middle of its upper edge in plan, mm.
@@ -149,9 +156,13 @@ pub(crate) fn design(
 ) -> Result<(Waffle, Vec<Groove>), MoldError> {
     options.check()?;
     let direction = DVec2::from_angle(options.angle_deg.to_radians());
-    let mut families = [direction, direction.perp()].map(|along| family(sheet, along, thickness_mm, options));
+    let mut families = [
+        family(sheet, direction, thickness_mm, options)?,
+        family(sheet, direction.perp(), thickness_mm, options)?,
+    ];
     end_before_shallow_crossings(&mut families, options);
-    let dropped = drop_short(&mut families, options.least_length_mm);
+    let mut dropped = drop_short(&mut families, options.least_length_mm);
+    dropped.extend(drop_loose(&mut families, options));
     families.iter_mut().flatten().for_each(|run| run.edge = simplified(&run.edge));
     let crossings = crossings(&families, options);
     let mut boards = Vec::new();
@@ -171,21 +182,32 @@ pub(crate) fn design(
 }
 
 impl WaffleOptions {
-    fn check(&self) -> Result<(), MoldError> {
-        positive("thickness of the waffle boards (mm)", self.board_mm)?;
-        positive("pitch of the waffle (mm)", self.pitch_mm)?;
-        positive("sink of the waffle boards (mm)", self.sink_mm)?;
-        positive("floor below the mold (mm)", self.floor_below_mm)?;
-        positive("height of the board names (mm)", self.text_mm)?;
-        not_negative("cover above the waffle boards (mm)", self.cover_mm)?;
-        not_negative("clearance of the slots (mm)", self.clearance_mm)?;
-        not_negative("diameter of the cutter (mm)", self.cutter_mm)?;
-        not_negative("inset of the waffle boards (mm)", self.inset_mm)?;
-        not_negative("least land of the waffle boards (mm)", self.least_land_mm)?;
-        let (option, mend) =
-            ("diameter of the cutter (mm)", "two reliefs must fit into a slot: cutter < slot/√2");
-        let fits = SQRT_2 * self.cutter_mm <= self.slot_mm();
-        if fits { Ok(()) } else { Err(MoldError::Option { option, value: self.cutter_mm, mend }) }
+    pub(crate) fn check(&self) -> Result<(), MoldError> {
+        Setting::of("waffle", "board_mm", "thickness of the waffle boards (mm)").positive(self.board_mm)?;
+        Setting::of("waffle", "angle_deg", "direction of the waffle (degrees)").finite(self.angle_deg)?;
+        Setting::of("waffle", "clearance_mm", "clearance of the slots (mm)")
+            .not_negative(self.clearance_mm)?;
+        Setting::inner("sink of the waffle boards (mm)").positive(self.sink_mm)?;
+        Setting::inner("floor below the mold (mm)").positive(self.floor_below_mm)?;
+        Setting::inner("height of the board names (mm)").positive(self.text_mm)?;
+        Setting::inner("cover above the waffle boards (mm)").not_negative(self.cover_mm)?;
+        Setting::inner("inset of the waffle boards (mm)").not_negative(self.inset_mm)?;
+        Setting::inner("least length of the waffle boards (mm)").not_negative(self.least_length_mm)?;
+        Setting::inner("least land of the waffle boards (mm)").not_negative(self.least_land_mm)?;
+        PITCH.positive(self.pitch_mm)?;
+        PITCH.require(
+            self.pitch_mm > self.slot_mm(),
+            self.pitch_mm,
+            "neighbouring boards would meet: it must be more than a board and its clearance",
+        )?;
+        let cutter = Setting::of("waffle", "cutter_mm", "diameter of the cutter (mm)");
+        cutter.not_negative(self.cutter_mm)?;
+        cutter.require(
+            SQRT_2 * self.cutter_mm <= self.slot_mm(),
+            self.cutter_mm,
+            "two reliefs must fit into a slot: cutter < slot/√2",
+        )?;
+        self.stock.check()
     }
 
     fn slot_mm(&self) -> f64 {
@@ -194,7 +216,12 @@ impl WaffleOptions {
 }
 
 /// All boards of one direction, evenly spread over the sheet and centred on it.
-fn family(sheet: &HeightField<'_>, along: DVec2, thickness_mm: f64, options: &WaffleOptions) -> Vec<Run> {
+fn family(
+    sheet: &HeightField<'_>,
+    along: DVec2,
+    thickness_mm: f64,
+    options: &WaffleOptions,
+) -> Result<Vec<Run>, MoldError> {
     let plan = sheet.plan();
     let extent = |d: DVec2| {
         let values = || plan.iter().map(|p| d.dot(*p));
@@ -203,15 +230,18 @@ fn family(sheet: &HeightField<'_>, along: DVec2, thickness_mm: f64, options: &Wa
     let ([from, to], across) = (extent(along), extent(along.perp()));
     let width = across[1] - across[0] - 2.0 * options.inset_mm;
     let count = (width / options.pitch_mm).floor().max(0.0);
+    let mend = "it asks for more than 1000 boards each way; make it larger";
+    PITCH.require(count < MOST_BOARDS, options.pitch_mm, mend)?;
     let first = 0.5 * (across[0] + across[1] - count * options.pitch_mm);
-    (0..=count as usize)
+    let runs = (0..=count as usize)
         .flat_map(|k| {
             let offset_mm = first + k as f64 * options.pitch_mm;
             let line = Run { along, offset_mm, edge: Vec::new() };
             let heights = line.heights(sheet, [from, to], thickness_mm, options);
             line.split(&heights, options.inset_mm)
         })
-        .collect()
+        .collect();
+    Ok(runs)
 }
 
 impl Run {
@@ -293,7 +323,8 @@ fn place(run: &Run, s: f64, options: &WaffleOptions) -> Place {
     let [from, to] = run.ends();
     let gap = 0.5 * options.board_mm + options.clearance_mm;
     let land = 0.5 * options.slot_mm() + options.least_land_mm;
-    if run.length_mm() <= 0.0 || s <= from - gap || s >= to + gap {
+    let near = gap - CLEAR_SLACK_MM;
+    if run.length_mm() <= 0.0 || s <= from - near || s >= to + near {
         Place::Clear
     } else if s >= from + land && s <= to - land {
         Place::Deep
@@ -302,12 +333,12 @@ fn place(run: &Run, s: f64, options: &WaffleOptions) -> Place {
     }
 }
 
-/// Shortens boards that another one crosses too near to their end, until none is left; of two such the X board.
+/// Shortens boards that another one crosses too near to their end, until none is left; of two such the X board. A cut
+/// takes a board away from a crossing for good, so that there are at most as many rounds as crossings, and one.
 fn end_before_shallow_crossings(families: &mut [Vec<Run>; 2], options: &WaffleOptions) {
     let gap = 0.5 * options.board_mm + options.clearance_mm;
-    let mut changed = true;
-    while changed {
-        changed = false;
+    for _ in 0..=families[0].len() * families[1].len() {
+        let mut changed = false;
         for w in 0..families[0].len() {
             for x in 0..families[1].len() {
                 let (a, b) = (&families[0][w], &families[1][x]);
@@ -317,9 +348,14 @@ fn end_before_shallow_crossings(families: &mut [Vec<Run>; 2], options: &WaffleOp
                     continue;
                 }
                 let (side, number) = if places[1] == Place::Shallow { (1, x) } else { (0, w) };
-                end_before(&mut families[side][number], at[side], gap);
-                changed = true;
+                let run = &mut families[side][number];
+                let ends = run.ends();
+                end_before(run, at[side], gap);
+                changed |= run.ends() != ends;
             }
+        }
+        if !changed {
+            break;
         }
     }
 }
@@ -337,10 +373,32 @@ fn drop_short(families: &mut [Vec<Run>; 2], least_mm: f64) -> Vec<DroppedBoard> 
         .iter_mut()
         .flat_map(|f| f.extract_if(.., |run| run.edge.len() < 2 || run.length_mm() < least_mm))
     {
-        let [from, to] = run.ends();
-        dropped.push(DroppedBoard { at_mm: run.plan(0.5 * (from + to)), length_mm: run.length_mm() });
+        dropped.push(dropped_board(&run));
     }
     dropped
+}
+
+/// A board that crosses no other cannot stand. To take one away leaves the others' crossings as they are.
+fn drop_loose(families: &mut [Vec<Run>; 2], options: &WaffleOptions) -> Vec<DroppedBoard> {
+    let crossings = crossings(families, options);
+    let mut dropped = Vec::new();
+    for (side, runs) in families.iter_mut().enumerate() {
+        let mut number = 0;
+        runs.retain(|run| {
+            let crosses = crossings.iter().any(|c| c.runs[side] == number);
+            number += 1;
+            if !crosses {
+                dropped.push(dropped_board(run));
+            }
+            crosses
+        });
+    }
+    dropped
+}
+
+fn dropped_board(run: &Run) -> DroppedBoard {
+    let [from, to] = run.ends();
+    DroppedBoard { at_mm: run.plan(0.5 * (from + to)), length_mm: run.length_mm() }
 }
 
 /// Fewest points of a polyline that stay within [`EDGE_ERROR_MM`] of it (Douglas and Peucker, 1973).
@@ -638,7 +696,57 @@ mod tests {
         let patch = patch(&shapes::flat(shapes::rectangle(600.0, 400.0)));
         let options = WaffleOptions { cutter_mm: 16.0, ..Default::default() };
         let refused = design(&HeightField::new(&patch), THICKNESS_MM, &options);
-        assert!(matches!(refused, Err(MoldError::Option { value, .. }) if value == 16.0));
+        assert!(matches!(
+            refused,
+            Err(MoldError::Option { table: "waffle", key: "cutter_mm", value: 16.0, .. })
+        ));
+    }
+
+    fn run(along: DVec2, offset_mm: f64, [from, to]: [f64; 2]) -> Run {
+        Run { along, offset_mm, edge: vec![DVec2::new(from, 40.0), DVec2::new(to, 40.0)] }
+    }
+
+    #[test]
+    fn a_cut_board_is_clear_of_its_crossing_whatever_the_rounding() {
+        // 0.1 + 10 − 10 is a little less than 0.1: this went on for ever.
+        let w = run(DVec2::X, 0.1, [-500.0, 500.0]);
+        let x = run(DVec2::Y, 0.0, [0.0, 500.0]);
+        let mut families = [vec![w.clone()], vec![x]];
+        end_before_shallow_crossings(&mut families, &WaffleOptions::default());
+        assert_eq!(families[0], [w]);
+        assert_eq!(families[1][0].ends(), [10.1, 500.0]);
+    }
+
+    #[test]
+    fn a_cut_leaves_no_shallow_crossing() {
+        let options = WaffleOptions::default();
+        for k in 0..2000 {
+            let s = 0.013 * k as f64;
+            let mut left = run(DVec2::X, 0.0, [0.0, 500.0]);
+            end_before(&mut left, s, 10.0);
+            assert!(place(&left, s, &options) == Place::Clear, "{s}");
+            let mut right = run(DVec2::X, 0.0, [0.0, 500.0]);
+            end_before(&mut right, 500.0 - s, 10.0);
+            assert!(place(&right, 500.0 - s, &options) == Place::Clear, "{s}");
+        }
+    }
+
+    #[test]
+    fn a_pitch_that_asks_for_countless_boards_is_refused() {
+        let patch = patch(&shapes::flat(shapes::rectangle(600.0, 400.0)));
+        for options in [
+            WaffleOptions { pitch_mm: 19.0, ..Default::default() },
+            WaffleOptions {
+                pitch_mm: 1e-9,
+                board_mm: 1e-10,
+                clearance_mm: 0.0,
+                cutter_mm: 0.0,
+                ..Default::default()
+            },
+        ] {
+            let refused = design(&HeightField::new(&patch), THICKNESS_MM, &options).unwrap_err();
+            assert_eq!(refused.place(), ("waffle", "pitch_mm"), "{refused}");
+        }
     }
 
     #[test]

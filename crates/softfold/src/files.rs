@@ -9,11 +9,15 @@ use crate::stages::{Loaded, Results};
 use crate::{RunError, record};
 use softfold_geometry::{DVec2, DVec3, PlanarCurve, SoftPattern};
 use softfold_kernel::occt::{self, NamedShape, Shape, StepOptions, StepSchema};
+use softfold_kernel::{KernelError, openmesh};
 use softfold_mold::{Contour, Mold, Part, Placed, ProfileSegment, WaffleBoard};
 use std::path::Path;
+use std::time::Instant;
 
 /// Chord error of curves in DXF, mm: what routers and CAM programs ask for.
 const DXF_CHORD_MM: f64 = 0.02;
+/// A file that every run writes and that users are likely to have: better said before the run than after it.
+pub const FIRST: &[&str] = &["pattern.svg"];
 /// Colours of the STEP files (sRGB): plaster for sheet and board, blue for the mold.
 const SHEET_COLOUR: [f32; 3] = [0.87, 0.84, 0.78];
 const MOLD_COLOUR: [f32; 3] = [0.35, 0.52, 0.75];
@@ -29,7 +33,8 @@ struct Writer<'a> {
 ///
 /// # Errors
 /// A folder that cannot be written.
-pub fn write(loaded: &Loaded, results: &Results, out: &Path) -> Result<json::Report, RunError> {
+pub fn write(loaded: &Loaded, results: &mut Results, out: &Path) -> Result<json::Report, RunError> {
+    let start = Instant::now();
     let staging = Staging::beside(out)?;
     let mut writer = Writer { staging: &staging, files: Vec::new(), name: loaded.name() };
     writer.patterns(results)?;
@@ -38,6 +43,7 @@ pub fn write(loaded: &Loaded, results: &Results, out: &Path) -> Result<json::Rep
     if let Some(mold) = &results.mold {
         writer.mold(mold, results.stock_mm)?;
     }
+    results.seconds.push(("export", start.elapsed().as_secs_f64()));
     let report = writer.report(loaded, results)?;
     staging.publish()?;
     Ok(report)
@@ -45,6 +51,33 @@ pub fn write(loaded: &Loaded, results: &Results, out: &Path) -> Result<json::Rep
 
 fn defect(error: impl std::fmt::Display) -> RunError {
     RunError::Defect(error.to_string())
+}
+
+/// A place that cannot be written is the user's, the rest is ours.
+fn unwritten(error: &KernelError) -> RunError {
+    match error {
+        KernelError::File { .. } => RunError::Input(format!("{error}; choose another --out")),
+        other => defect(other),
+    }
+}
+
+/// A STEP file that does not come back as it was written would surprise somebody at a machine.
+fn require_read_back(file: &Path, name: &str, shape: &Shape) -> Result<(), RunError> {
+    let parts = occt::read_step(file).map_err(defect)?;
+    let wanted = occt::counts(shape).map_err(defect)?;
+    let found = match parts.as_slice() {
+        [part] if part.name == name => occt::counts(&part.shape).map_err(defect)?,
+        _ => {
+            return Err(RunError::Defect(format!(
+                "{name}: the STEP file reads back as {} parts",
+                parts.len()
+            )));
+        }
+    };
+    if (found.solids, found.faces) == (wanted.solids, wanted.faces) {
+        return Ok(());
+    }
+    Err(RunError::Defect(format!("{name}: the STEP file reads back as {found:?}, not {wanted:?}")))
 }
 
 impl Writer<'_> {
@@ -73,7 +106,9 @@ impl Writer<'_> {
             ..StepOptions::default()
         };
         let file = self.staging.path(path)?;
-        occt::write_step(&file, &[NamedShape { name, color_srgb, shape }], &options).map_err(defect)?;
+        occt::write_step(&file, &[NamedShape { name, color_srgb, shape }], &options)
+            .map_err(|e| unwritten(&e))?;
+        require_read_back(&file, name, shape)?;
         self.listed(path, purpose);
         Ok(())
     }
@@ -145,8 +180,15 @@ impl Writer<'_> {
 
     fn part(&mut self, part: &Part) -> Result<(), RunError> {
         let name = &part.name;
-        let stl = stl::binary(name, &part.solid);
-        self.add(&format!("parts/{name}.stl"), "a printed part", stl)?;
+        let stl = format!("parts/{name}.stl");
+        self.add(&stl, "a printed part", stl::binary(name, &part.solid))?;
+        let back = openmesh::read(&self.staging.path(&stl)?).map_err(defect)?;
+        if back.triangles.len() != part.solid.triangles.len() {
+            return Err(RunError::Defect(format!(
+                "{name}: the STL file reads back with {} triangles",
+                back.triangles.len()
+            )));
+        }
         let package =
             threemf::package(name, &[threemf::Object { name, mesh: &part.solid }]).map_err(defect)?;
         self.add(&format!("parts/{name}.3mf"), "a printed part, named, in mm", package)?;
@@ -211,7 +253,8 @@ fn waffle(mold: &Mold, stock_mm: [f64; 2]) -> Drawing {
 }
 
 fn draw_board(entities: &mut Vec<Entity>, board: &WaffleBoard, placed: &Placed, corner: DVec2) {
-    let at = |p: DVec2| on_stock(&[p], board, placed)[0] + corner;
+    let on_sheet = on_stock(board, placed);
+    let at = |p: DVec2| on_sheet(p) + corner;
     for contour in &board.profile {
         entities.push(Entity::Polyline {
             layer: CUT.to_owned(),

@@ -6,6 +6,7 @@
 pub mod error;
 pub mod export;
 pub mod files;
+pub mod goals;
 pub mod output;
 pub mod pictures;
 pub mod progress;

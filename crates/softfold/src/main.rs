@@ -1,13 +1,21 @@
 //! The program `softfold`.
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "this is the program that speaks to its user")]
-
 use clap::{Args, Parser, Subcommand};
 use softfold::progress::{Bars, Events, Lines, Progress, Quiet};
 use softfold::report::{json::Report, summary};
 use softfold::{Loaded, RunError, Stage, files, output, starter};
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+/// A line on standard output. A closed pipe must not end the run: whoever listens has heard enough.
+macro_rules! say {
+    ($($words:tt)*) => {{ let _ = writeln!(std::io::stdout(), $($words)*); }};
+}
+
+/// A line on standard error, likewise.
+macro_rules! warn {
+    ($($words:tt)*) => {{ let _ = writeln!(std::io::stderr(), $($words)*); }};
+}
 
 /// From a crease pattern with curved creases to a folded, thick, fabricable object.
 #[derive(Parser)]
@@ -87,12 +95,15 @@ fn main() -> ExitCode {
     // Without the handler an interrupt would leave the staging folder behind, nothing worse.
     let _ = ctrlc::set_handler(|| {
         output::abandon();
+        warn!("interrupted: the output folder is as it was");
         std::process::exit(INTERRUPTED);
     });
-    match execute(cli.command) {
+    // A panic has told its place already; it is a defect, and its status says so.
+    let outcome = std::panic::catch_unwind(|| execute(cli.command));
+    match outcome.unwrap_or_else(|_| Err(RunError::Defect("softfold stopped in the middle".to_owned()))) {
         Ok(status) => ExitCode::from(status),
         Err(error) => {
-            eprintln!("error: {error}");
+            warn!("error: {error}");
             ExitCode::from(error.exit_code())
         }
     }
@@ -109,7 +120,7 @@ fn execute(command: Command) -> Result<u8, RunError> {
         Command::Crosscheck(project) => crosscheck(&project),
         Command::New { folder } => {
             starter::write(&folder)?;
-            println!(
+            say!(
                 "wrote {0}/project.toml and {0}/pattern.svg; run: softfold run {0}/project.toml",
                 folder.display()
             );
@@ -131,11 +142,12 @@ impl Voice {
 
 fn run(job: &Job, until: Stage) -> Result<u8, RunError> {
     let loaded = Loaded::read(&job.project)?;
+    output::Staging::rehearse(&job.out, files::FIRST)?;
     let mut progress = job.voice.progress();
-    let results = softfold::run(&loaded, until, progress.as_mut())?;
+    let mut results = softfold::run(&loaded, until, progress.as_mut())?;
     progress.begin("export");
     let start = std::time::Instant::now();
-    let report = files::write(&loaded, &results, &job.out)?;
+    let report = files::write(&loaded, &mut results, &job.out)?;
     progress.end(
         "export",
         start.elapsed().as_secs_f64(),
@@ -147,9 +159,9 @@ fn run(job: &Job, until: Stage) -> Result<u8, RunError> {
 
 fn tell(job: &Job, report: &Report) {
     if job.voice.json {
-        println!("{}", serde_json::json!({ "event": "done", "passes": report.passes(), "out": job.out }));
+        say!("{}", serde_json::json!({ "event": "done", "passes": report.passes(), "out": job.out }));
     } else if !job.voice.quiet {
-        println!("\n{}", summary(report));
+        say!("\n{}", summary(report));
     }
 }
 
@@ -158,12 +170,12 @@ fn check(job: &Project) -> Result<u8, RunError> {
     let results = softfold::run(&loaded, Stage::Soften, job.voice.progress().as_mut())?;
     for issue in &results.issues {
         match job.voice.json {
-            true => println!("{}", serde_json::json!(softfold::report::json::Issue::from(issue))),
-            false => println!("{:?}: {issue}", issue.severity),
+            true => say!("{}", serde_json::json!(softfold::report::json::Issue::from(issue))),
+            false => say!("{:?}: {issue}", issue.severity),
         }
     }
     if !job.voice.json && !job.voice.quiet {
-        println!("{}: fine, {} remarks", job.project.display(), results.issues.len());
+        say!("{}: fine; remarks: {}", job.project.display(), results.issues.len());
     }
     Ok(0)
 }
@@ -172,13 +184,19 @@ fn crosscheck(job: &Project) -> Result<u8, RunError> {
     let loaded = Loaded::read(&job.project)?;
     let results = softfold::run(&loaded, Stage::Mesh, job.voice.progress().as_mut())?;
     let Some(check) = results.mesh.map(|m| m.crosscheck) else { return Ok(0) };
-    println!(
+    let agrees = check.agrees();
+    if job.voice.json {
+        let check = softfold::report::json::Crosscheck::from(&check);
+        say!("{}", serde_json::json!({ "event": "crosscheck", "crosscheck": check }));
+        return Ok(if agrees { 0 } else { VERDICT_FAILED });
+    }
+    say!(
         "constraints {}, areas differ by {:.1e}, {} edges differ on cocircular points, {} otherwise",
         if check.constraints_held { "held" } else { "BROKEN" },
         check.area_relative_difference,
         check.cocircular_differences.len(),
         check.other_differences.len()
     );
-    check.other_differences.iter().for_each(|p| println!("  at ({:.3}, {:.3}) mm", p.x, p.y));
-    Ok(if check.agrees() { 0 } else { VERDICT_FAILED })
+    check.other_differences.iter().for_each(|p| say!("  at ({:.3}, {:.3}) mm", p.x, p.y));
+    Ok(if agrees { 0 } else { VERDICT_FAILED })
 }

@@ -32,6 +32,19 @@ impl Staging {
         Ok(Self { folder, target: target.to_owned() })
     }
 
+    /// Finds out before a long run whether its results can be written, and leaves nothing behind.
+    ///
+    /// # Errors
+    /// As [`Staging::beside`]; a file of the user's where one of `names` would be written.
+    pub fn rehearse(target: &Path, names: &[&str]) -> Result<(), RunError> {
+        Self::beside(target)?;
+        let ours = earlier_files(target);
+        match names.iter().find(|n| !ours.contains(**n) && target.join(n).symlink_metadata().is_ok()) {
+            Some(name) => Err(not_ours(&target.join(name))),
+            None => Ok(()),
+        }
+    }
+
     /// Path of a file in the staging folder; folders on the way are made.
     ///
     /// # Errors
@@ -54,24 +67,70 @@ impl Staging {
     }
 
     /// Moves every file into the target folder and takes away those that the report of an earlier run lists there and
-    /// this run did not make. Files that are not softfold's stay.
+    /// this run did not make. Files that are not softfold's stay. If a file cannot be put in its place, those that were
+    /// replaced before it come back.
     ///
     /// # Errors
     /// A place that cannot be written.
     pub fn publish(self) -> Result<(), RunError> {
         let new = names(&self.folder);
         let old = earlier_files(&self.target);
+        let mut swaps = Swaps { backup: self.folder.join(".replaced"), done: Vec::new() };
         for name in &new {
-            let to = self.target.join(name);
-            if let Some(parent) = to.parent() {
-                fs::create_dir_all(parent).map_err(|e| unwritable(parent, &e))?;
+            let place = self.target.join(name);
+            let foreign = !old.contains(name) && place.symlink_metadata().is_ok();
+            let swapped = if foreign {
+                Err(not_ours(&place))
+            } else {
+                swaps.swap(&self.folder.join(name), &place, name)
+            };
+            if let Err(error) = swapped {
+                swaps.undo();
+                return Err(error);
             }
-            fs::rename(self.folder.join(name), &to).map_err(|e| unwritable(&to, &e))?;
         }
         for stale in old.difference(&new) {
             let _ = fs::remove_file(self.target.join(stale)); // already gone is as good
         }
         Ok(())
+    }
+}
+
+/// Files put in their places, with what stood there kept until all are.
+struct Swaps {
+    backup: PathBuf,
+    /// Place of the new file, and the old one if there was one.
+    done: Vec<(PathBuf, Option<PathBuf>)>,
+}
+
+impl Swaps {
+    fn swap(&mut self, from: &Path, to: &Path, name: &str) -> Result<(), RunError> {
+        let make_room =
+            |p: &Path| p.parent().map_or(Ok(()), fs::create_dir_all).map_err(|e| unwritable(p, &e));
+        make_room(to)?;
+        let kept = match to.symlink_metadata() {
+            Ok(found) if found.is_dir() => {
+                return Err(unwritable(to, &std::io::Error::other("a folder of this name is there")));
+            }
+            Ok(_) => {
+                let kept = self.backup.join(name);
+                make_room(&kept)?;
+                fs::rename(to, &kept).map_err(|e| unwritable(to, &e))?;
+                Some(kept)
+            }
+            Err(_) => None,
+        };
+        self.done.push((to.to_owned(), kept));
+        fs::rename(from, to).map_err(|e| unwritable(to, &e))
+    }
+
+    fn undo(&mut self) {
+        for (place, kept) in self.done.drain(..).rev() {
+            let _ = fs::remove_file(&place);
+            kept.into_iter().for_each(|k| {
+                let _ = fs::rename(k, &place);
+            });
+        }
     }
 }
 
@@ -92,6 +151,14 @@ pub fn abandon() {
 
 fn remember(folder: Option<PathBuf>) {
     *STAGING.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = folder;
+}
+
+fn not_ours(path: &Path) -> RunError {
+    RunError::in_file(
+        path,
+        None,
+        "is there and no earlier run made it; choose another --out, or move the file away",
+    )
 }
 
 fn unwritable(path: &Path, error: &std::io::Error) -> RunError {
@@ -154,7 +221,7 @@ mod tests {
         let target = root.join("out");
         fs::create_dir_all(target.join("parts")).unwrap();
         let report = r#"{"schema":"s","version":"0","pattern":{"name":"","creases":[],"area_mm2":0,"issues":[]},"verdicts":[],
-            "files":[{"path":"parts/Z9.stl","purpose":""},{"path":"../../precious","purpose":""}],"stages":[]}"#;
+            "files":[{"path":"report.json","purpose":""},{"path":"parts/Z9.stl","purpose":""},{"path":"../../precious","purpose":""}],"stages":[]}"#;
         for (name, text) in [("report.json", report), ("notes.txt", "mine"), ("parts/Z9.stl", "old")] {
             fs::write(target.join(name), text).unwrap();
         }
@@ -165,6 +232,45 @@ mod tests {
         let left: Vec<_> = names(&target).into_iter().collect();
         assert_eq!(left, ["notes.txt", "parts/A1.stl", "report.json"]);
         assert_eq!(fs::read_dir(&root).unwrap().count(), 1);
+        fs::remove_dir_all(root).unwrap();
+    }
+
+    #[test]
+    fn what_was_there_comes_back_if_a_place_is_taken() {
+        let root = folder("restore");
+        let target = root.join("out");
+        fs::create_dir_all(target.join("sheet.step")).unwrap(); // a folder where a file should go
+        let report = r#"{"schema":"s","version":"0","pattern":{"name":"","creases":[],"area_mm2":0,"issues":[]},"verdicts":[],
+            "files":[{"path":"board.step","purpose":""},{"path":"sheet.step","purpose":""}],"stages":[]}"#;
+        fs::write(target.join("board.step"), "old").unwrap();
+        fs::write(target.join("report.json"), report).unwrap();
+        let staging = Staging::beside(&target).unwrap();
+        for name in ["blank.dxf", "board.step", "sheet.step"] {
+            staging.write(name, "new").unwrap();
+        }
+        let error = staging.publish().unwrap_err();
+        assert!(error.to_string().contains("sheet.step"), "{error}");
+        assert_eq!(names(&target).into_iter().collect::<Vec<_>>(), ["board.step", "report.json"]);
+        assert_eq!(fs::read_to_string(target.join("board.step")).unwrap(), "old");
+        assert_eq!(fs::read_dir(&root).unwrap().count(), 1);
+        fs::remove_dir_all(root).unwrap();
+    }
+
+    #[test]
+    fn files_of_the_user_are_never_replaced() {
+        let root = folder("foreign");
+        let target = root.join("out");
+        fs::create_dir_all(&target).unwrap();
+        fs::write(target.join("pattern.svg"), "mine").unwrap();
+        assert!(
+            Staging::rehearse(&target, &["pattern.svg"]).unwrap_err().to_string().contains("pattern.svg")
+        );
+        let staging = Staging::beside(&target).unwrap();
+        staging.write("blank.dxf", "new").unwrap();
+        staging.write("pattern.svg", "new").unwrap();
+        assert!(staging.publish().unwrap_err().to_string().contains("pattern.svg"));
+        assert_eq!(names(&target).into_iter().collect::<Vec<_>>(), ["pattern.svg"]);
+        assert_eq!(fs::read_to_string(target.join("pattern.svg")).unwrap(), "mine");
         fs::remove_dir_all(root).unwrap();
     }
 

@@ -71,7 +71,7 @@ fn views(fold: &FoldResult, analyse: &AnalyseResult) -> Result<Vec<Picture>, Run
             ..shot(&fold.sheet, &view, Some(colours), "area error")?
         });
     }
-    for view in View::standard().into_iter().take(2) {
+    for view in View::standard() {
         let colours = radius.colours(&verdict.vertex_bend_radius_mm);
         views.push(Picture {
             legend: Some(radius_legend.clone()),
@@ -140,16 +140,16 @@ fn boards_plan(mold: &Mold, stock_mm: [f64; 2]) -> String {
 
 fn cut(board: &WaffleBoard, placed: &Placed) -> (String, Vec<DVec2>) {
     let outline = board.profile.first().map(|c| c.flatten(CHORD_MM)).unwrap_or_default();
-    (board.name.clone(), on_stock(&outline, board, placed))
+    (board.name.clone(), outline.into_iter().map(on_stock(board, placed)).collect())
 }
 
-/// Points of a board's profile where the board lies on its stock sheet.
-pub(crate) fn on_stock(points: &[DVec2], board: &WaffleBoard, placed: &Placed) -> Vec<DVec2> {
+/// Where points of a board's profile lie on its stock sheet.
+pub(crate) fn on_stock(board: &WaffleBoard, placed: &Placed) -> impl Fn(DVec2) -> DVec2 {
     let corners: Vec<DVec2> = board.profile.iter().flat_map(|c| c.flatten(CHORD_MM)).collect();
     let (lo, hi) = polygon::bounds(&corners);
-    let place = |p: &DVec2| {
-        let q = *p - lo;
-        placed.position_mm + if placed.rotated { DVec2::new(hi.y - lo.y - q.y, q.x) } else { q }
-    };
-    points.iter().map(place).collect()
+    let (corner, turned) = (placed.position_mm, placed.rotated);
+    move |p| {
+        let q = p - lo;
+        corner + if turned { DVec2::new(hi.y - lo.y - q.y, q.x) } else { q }
+    }
 }

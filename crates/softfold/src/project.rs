@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Project {
-    /// Name for the report; the file's folder if absent.
+    /// Name for the report; the pattern's file name without its ending if absent.
     pub name: Option<String>,
     /// The pattern, relative to the project file.
     pub pattern: PathBuf,
@@ -175,6 +175,8 @@ pub struct Fold {
     pub relative_gradient: Option<f64>,
     /// Most iterations.
     pub max_iterations: Option<u32>,
+    /// Momentum of eq. 4, from 0 (as printed) to below 1.
+    pub momentum: Option<f64>,
     /// `[[fold.anchors]]`
     pub anchors: Vec<Anchor>,
     /// `[[fold.bands]]`
@@ -364,22 +366,28 @@ impl Project {
     /// # Errors
     /// No TOML, unknown or missing keys, values of the wrong kind or out of their range.
     pub fn parse(text: &str) -> Result<Self, ProjectFault> {
-        let project: Self = toml::from_str(text).map_err(|e| ProjectFault {
-            line: e.span().filter(|s| s.end > 0).map(|s| line_at(text, s.start)),
-            message: e.message().replace('\n', ", "),
-        })?;
+        let project: Self = toml::from_str(text).map_err(|e| fault_of(text, &e))?;
         project.check(text)?;
         Ok(project)
     }
 
     fn check(&self, text: &str) -> Result<(), ProjectFault> {
         self.numbers().into_iter().try_for_each(|n| n.check(text))?;
+        let w = &self.waffle;
+        if w.pitch_mm <= w.board_mm + w.clearance_mm {
+            let message = format!(
+                "waffle.pitch_mm is {} but a board with its clearance is {} wide; give more",
+                w.pitch_mm,
+                w.board_mm + w.clearance_mm
+            );
+            return Err(ProjectFault { line: line_of(text, "waffle", "pitch_mm"), message });
+        }
         self.fold.check(text)
     }
 
     /// Every number that must lie in a range.
     fn numbers(&self) -> Vec<Number> {
-        use Range::{AtLeastOne, Fraction, NotNegative, Positive};
+        use Range::{AtLeastOne, Finite, Fraction, NotNegative, Positive, Share, Thick};
         let n = Number::new;
         let mut all = vec![
             n("soften", "radius_mm", self.soften.radius_mm, NotNegative),
@@ -389,26 +397,31 @@ impl Project {
             n("material", "poisson_ratio", self.material.poisson_ratio, Fraction),
             n("material", "density_kg_m3", self.material.density_kg_m3, Positive),
             n("material", "fold_line_factor", self.material.fold_line_factor, Positive),
-            n("board", "thickness_mm", self.board.thickness_mm, Positive),
+            n("board", "thickness_mm", self.board.thickness_mm, Thick),
             n("stability", "contact_mm", self.stability.contact_mm, Positive),
-            n("mold", "thickness_mm", self.mold.thickness_mm, Positive),
+            n("mold", "thickness_mm", self.mold.thickness_mm, Thick),
             n("mold", "cell_mm", self.mold.cell_mm, Positive),
+            n("mold", "printer_mm", least(&self.mold.printer_mm), Positive),
+            n("waffle", "angle_deg", self.waffle.angle_deg, Finite),
+            n("waffle", "stock_mm", least(&self.waffle.stock_mm), Positive),
             n("waffle", "board_mm", self.waffle.board_mm, Positive),
             n("waffle", "pitch_mm", self.waffle.pitch_mm, Positive),
             n("waffle", "clearance_mm", self.waffle.clearance_mm, NotNegative),
             n("waffle", "cutter_mm", self.waffle.cutter_mm, Positive),
             n("limits", "area_error", self.limits.area_error, Positive),
+            n("limits", "stability_margin_mm", self.limits.stability_margin_mm, Finite),
             n("limits", "surface_deviation_mm", self.limits.surface_deviation_mm, Positive),
         ];
         let optional = [
             ("", "unit_mm", self.unit_mm),
             ("material", "min_radius_mm", self.material.min_radius_mm),
             ("material", "strain_limit", self.material.strain_limit),
-            ("fold", "relative_gradient", self.fold.relative_gradient),
             ("surface", "tolerance_mm", self.surface.tolerance_mm),
             ("surface", "spacing_mm", self.surface.spacing_mm),
         ];
         all.extend(optional.into_iter().filter_map(|(t, k, v)| v.map(|v| n(t, k, v, Positive))));
+        all.extend(self.fold.relative_gradient.map(|v| n("fold", "relative_gradient", v, Share)));
+        all.extend(self.fold.momentum.map(|v| n("fold", "momentum", v, Share)));
         for (name, crease) in &self.soften.creases {
             let table = format!("soften.creases.{name}");
             all.extend(crease.radius_mm.map(|v| n(&table, "radius_mm", v, NotNegative)));
@@ -465,8 +478,28 @@ impl Fold {
     }
 }
 
+/// The element that decides whether all are positive: the least, or one that is not finite.
+fn least(values: &[f64]) -> f64 {
+    values
+        .iter()
+        .copied()
+        .find(|v| !v.is_finite())
+        .unwrap_or_else(|| values.iter().copied().fold(f64::MAX, f64::min))
+}
+
 fn finite(values: &[f64]) -> bool {
     values.iter().all(|v| v.is_finite())
+}
+
+/// Line of a table's header, from 1.
+pub fn line_of_header(text: &str, table: &str) -> Option<usize> {
+    text.lines().position(|l| l.trim().starts_with(&format!("[{table}]"))).map(|i| i + 1)
+}
+
+/// Line of the `index`-th table of an array of tables, from 1.
+pub fn line_of_entry(text: &str, array: &str, index: usize) -> Option<usize> {
+    let header = format!("[[{array}]]");
+    text.lines().enumerate().filter(|(_, l)| l.trim().starts_with(&header)).nth(index).map(|(i, _)| i + 1)
 }
 
 /// A fault in the `index`-th table of an array of tables.
@@ -478,15 +511,11 @@ fn entry(
     name: &str,
     mend: &str,
 ) -> Result<(), ProjectFault> {
-    let header = format!("[[{array}]]");
-    let line = || {
-        text.lines().enumerate().filter(|(_, l)| l.trim().starts_with(&header)).nth(index).map(|(i, _)| i + 1)
-    };
     if fine {
-        Ok(())
-    } else {
-        Err(ProjectFault { line: line(), message: format!("{header} '{name}': {mend}") })
+        return Ok(());
     }
+    let line = line_of_entry(text, array, index);
+    Err(ProjectFault { line, message: format!("[[{array}]] '{name}': {mend}") })
 }
 
 /// What a number must be.
@@ -495,6 +524,11 @@ enum Range {
     Positive,
     NotNegative,
     AtLeastOne,
+    /// A thickness: below a hundredth of a millimetre solids drown in rounding.
+    Thick,
+    Finite,
+    /// From 0 to below 1.
+    Share,
     /// Poisson's ratio: below a half, or the sheet is incompressible.
     Fraction,
 }
@@ -517,6 +551,9 @@ impl Number {
             Range::Positive => (v > 0.0 && v.is_finite(), "a positive number"),
             Range::NotNegative => (v >= 0.0 && v.is_finite(), "a number that is not negative"),
             Range::AtLeastOne => (v >= 1.0, "1 or more"),
+            Range::Thick => (v >= 0.01 && v.is_finite(), "a positive number, 0.01 or more"),
+            Range::Finite => (v.is_finite(), "a finite number"),
+            Range::Share => ((0.0..1.0).contains(&v), "a number from 0 to below 1"),
             Range::Fraction => ((0.0..0.5).contains(&v), "a number from 0 to below 0.5"),
         };
         if fine {
@@ -527,6 +564,19 @@ impl Number {
         let message = format!("{name} is {v}; give {wanted}");
         Err(ProjectFault { line: line_of(text, &self.table, self.key), message })
     }
+}
+
+/// A fault of the TOML itself, with the key that stands on its line.
+fn fault_of(text: &str, error: &toml::de::Error) -> ProjectFault {
+    let said = error.message().replace('\n', ", ");
+    let line = error.span().filter(|s| s.end > 0).map(|s| line_at(text, s.start));
+    let key =
+        line.and_then(|l| text.lines().nth(l - 1)).and_then(|l| l.split_once('=')).map(|(k, _)| k.trim());
+    let message = match key.filter(|k| !k.starts_with('#') && !said.contains(k)) {
+        Some(key) => format!("{key}: {said}"),
+        None => said,
+    };
+    ProjectFault { line, message }
 }
 
 fn line_at(text: &str, offset: usize) -> usize {

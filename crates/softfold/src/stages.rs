@@ -1,14 +1,13 @@
 //! The stages in their order: the only place that knows it.
 
+use crate::RunError;
+use crate::goals::goals;
 use crate::progress::Progress;
 use crate::project::{self, Project};
-use crate::{RunError, project::line_of};
-use softfold_fold::{
-    Anchor, ClampLength, Goal, Iteration, NewtonOptions, OnPlane, RelaxOptions, SheetMaterial, Solver,
-    Verdict,
-};
-use softfold_geometry::{CreasePattern, DVec2, DVec3, FoldedSheet, Issue, LoopId, SoftPattern};
-use softfold_kernel::{MeshView, cgal, occt};
+use crate::project::{line_of, line_of_header};
+use softfold_fold::{Goal, Iteration, NewtonOptions, RelaxOptions, Solver, Verdict};
+use softfold_geometry::{CreasePattern, DVec3, FoldedSheet, Issue, SoftPattern};
+use softfold_kernel::{MeshBuffers, MeshView, cgal, occt};
 use softfold_mesh::{Backend, Crosscheck, MeshError, MeshOptions, Meshed, Quality};
 use softfold_mold::{
     Board, BoardOptions, Mold, MoldError, MoldOptions, Placement, Rest, StockOptions, WaffleOptions,
@@ -125,6 +124,8 @@ pub struct SurfaceResult {
     pub face: occt::Shape,
     /// What OpenCascade finds wrong with it.
     pub faults: Vec<String>,
+    /// Its triangles, by OpenCascade.
+    pub face_mesh: MeshBuffers,
     /// Largest distance from a folded vertex to the face's own triangles, by CGAL, mm: the exported face against the
     /// mesh, through two other libraries.
     pub face_distance_mm: f64,
@@ -155,6 +156,8 @@ pub struct Results {
     pub stability: Option<Rest>,
     /// The mold.
     pub mold: Option<Mold>,
+    /// Volume of the mold from triangles swept by CGAL, mm³.
+    pub mold_mesh_volume_mm3: f64,
     /// Size of the stock sheets of its boards, mm.
     pub stock_mm: [f64; 2],
     /// Stages with their times, s.
@@ -167,7 +170,11 @@ impl Loaded {
     /// # Errors
     /// Files that cannot be read, a project that is at fault.
     pub fn read(path: &Path) -> Result<Self, RunError> {
-        let text = read_text(path, "check the path of the project")?;
+        let text = read_text(path, "give the path of a project file; `softfold new` writes one")?;
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg")) {
+            let mend = "is a pattern; give a project file that names it with `pattern =` (`softfold new` writes one)";
+            return Err(RunError::in_file(path, None, mend));
+        }
         let project = Project::parse(&text).map_err(|f| RunError::in_file(path, f.line, f.message))?;
         let pattern_path = path.parent().unwrap_or(Path::new("")).join(&project.pattern);
         let asked = line_of(&text, "", "pattern");
@@ -180,7 +187,7 @@ impl Loaded {
         Ok(Self { path: path.to_owned(), text, project, pattern_path, pattern_text })
     }
 
-    /// The project's name: its own, or its folder's.
+    /// The project's name: its own, or its pattern's.
     pub fn name(&self) -> String {
         let stem = |p: &Path| p.file_stem().map(|s| s.to_string_lossy().into_owned());
         self.project
@@ -218,6 +225,10 @@ pub fn run(loaded: &Loaded, until: Stage, progress: &mut dyn Progress) -> Result
         (Stage::Stability, stability),
         (Stage::Mold, mold),
     ];
+    if until >= Stage::Mold {
+        // A mold that cannot be is better refused before the minutes that lead to it.
+        mold_options(&loaded.project).check().map_err(|e| mold_fault(loaded, &e))?;
+    }
     let mut results = Results::default();
     for (stage, step) in steps.into_iter().filter(|(s, _)| *s <= until) {
         progress.begin(stage.name());
@@ -246,7 +257,7 @@ fn pattern(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Resu
     let options = ReadOptions { unit_mm: loaded.project.unit_mm };
     let file = softfold_pattern::read_svg(&loaded.pattern_text, &loaded.name(), &options)
         .map_err(|e| RunError::from_issue(&loaded.pattern_path, e.issue()))?;
-    let word = format!("{} creases, {} remarks", file.pattern.creases.len(), file.issues.len());
+    let word = format!("creases: {}, remarks: {}", file.pattern.creases.len(), file.issues.len());
     file.pattern.check().map_err(defect)?;
     (results.pattern, results.issues) = (Some(file.pattern), file.issues);
     Ok(word)
@@ -282,16 +293,16 @@ fn softness(loaded: &Loaded, pattern: &CreasePattern) -> Result<Vec<CreaseSoftne
             "[soften.creases.{unknown}]: the pattern has no such crease; it has {}",
             known.join(", ")
         );
-        let line =
-            loaded.text.lines().position(|l| l.trim().starts_with(&format!("[soften.creases.{unknown}]")));
-        return Err(RunError::in_file(&loaded.path, line.map(|l| l + 1), message));
+        let line = line_of_header(&loaded.text, &format!("soften.creases.{unknown}"));
+        return Err(RunError::in_file(&loaded.path, line, message));
     }
     let one = |crease: &softfold_geometry::Crease| {
         let own = soften.creases.get(&crease.name).cloned().unwrap_or_default();
         let common = soften.fold_angle_deg.map(|a| a.abs() * crease.role.sign());
         let from_file = crease.fold_angle_rad.map(f64::to_degrees);
-        let angle = own.fold_angle_deg.or(from_file).or(common).unwrap_or(0.0);
+        let angle = own.fold_angle_deg.or(from_file).or(common);
         check_angle(loaded, crease, angle)?;
+        let angle = angle.unwrap_or(0.0); // flat creases alone
         Ok(CreaseSoftness {
             radius_mm: own.radius_mm.unwrap_or(soften.radius_mm),
             fold_angle_rad: angle.to_radians(),
@@ -301,18 +312,31 @@ fn softness(loaded: &Loaded, pattern: &CreasePattern) -> Result<Vec<CreaseSoftne
     pattern.creases.iter().map(one).collect()
 }
 
-fn check_angle(loaded: &Loaded, crease: &softfold_geometry::Crease, angle: f64) -> Result<(), RunError> {
+fn check_angle(
+    loaded: &Loaded,
+    crease: &softfold_geometry::Crease,
+    angle: Option<f64>,
+) -> Result<(), RunError> {
     use softfold_geometry::Role;
     let table = format!("soften.creases.{}", crease.name);
     if crease.role == Role::Flat {
         return Ok(());
     }
+    let mend =
+        format!("give fold_angle_deg in [{table}], or in [soften] for all, between -180 and 180 and not 0");
+    let Some(angle) = angle else {
+        let at = crease
+            .source
+            .line
+            .map_or_else(String::new, |l| format!(" ({}:{l})", loaded.pattern_path.display()));
+        let message = format!("crease '{}'{at} has no fold angle; {mend}", crease.name);
+        return Err(RunError::in_file(&loaded.path, line_of_header(&loaded.text, "soften"), message));
+    };
     if angle == 0.0 || !angle.is_finite() || angle.abs() >= 180.0 {
-        let message = format!(
-            "crease '{}' has the fold angle {angle}°; give fold_angle_deg between -180 and 180 and not 0 in [{table}]",
-            crease.name
-        );
-        return Err(loaded.fault(&table, "fold_angle_deg", message));
+        let own = line_of(&loaded.text, &table, "fold_angle_deg");
+        let line = own.or_else(|| line_of(&loaded.text, "soften", "fold_angle_deg"));
+        let message = format!("crease '{}' has the fold angle {angle}°; {mend}", crease.name);
+        return Err(RunError::in_file(&loaded.path, line, message));
     }
     if angle * crease.role.sign() < 0.0 {
         let drawn = if crease.role == Role::Mountain { "mountain (-)" } else { "valley (+)" };
@@ -352,14 +376,18 @@ fn mesh_fault(loaded: &Loaded, error: &MeshError) -> RunError {
     match error {
         MeshError::Option { name, .. } => loaded.fault("mesh", name, error),
         MeshError::TooMany { .. } => loaded.fault("mesh", "target_edge_mm", error),
-        MeshError::Crossing { .. } => RunError::in_file(&loaded.pattern_path, None, error),
+        MeshError::Crossing { .. } | MeshError::Triangulation(_) => RunError::in_file(
+            &loaded.pattern_path,
+            None,
+            format!("{error}; look for lines that touch or lie on each other"),
+        ),
         other => defect(other),
     }
 }
 
 fn fold(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
-    let goals = goals(loaded, results)?;
     let mesh = &made(results.mesh.as_ref())?.meshed.mesh;
+    let goals = goals(loaded, mesh, &made(results.pattern.as_ref())?.outline)?;
     let start = match loaded.project.fold.start {
         project::Start::Upright => softfold_fold::upright(mesh),
         project::Start::Flat => mesh.vertices.iter().map(|p| p.extend(0.0)).collect(),
@@ -401,63 +429,14 @@ fn solver(fold: &project::Fold) -> Solver {
         project::Solver::Relax => {
             let d = RelaxOptions::default();
             let relative_gradient = fold.relative_gradient.unwrap_or(d.relative_gradient);
+            let momentum = fold.momentum.unwrap_or(d.momentum);
             Solver::Relax(RelaxOptions {
+                momentum,
                 relative_gradient,
                 max_iterations: fold.max_iterations.unwrap_or(d.max_iterations),
-                ..d
             })
         }
     }
-}
-
-fn goals(loaded: &Loaded, results: &Results) -> Result<Vec<Box<dyn Goal>>, RunError> {
-    let mesh = &made(results.mesh.as_ref())?.meshed.mesh;
-    let material = &loaded.project.material;
-    let elastic = SheetMaterial {
-        youngs_modulus_mpa: material.youngs_modulus_mpa,
-        poisson_ratio: material.poisson_ratio,
-        thickness_mm: loaded.project.board.thickness_mm,
-        fold_line_factor: material.fold_line_factor,
-    };
-    let mut goals = elastic.goals(mesh);
-    let fold = &loaded.project.fold;
-    let at = |array: &str, name: &str, place: [f64; 2]| {
-        let outside = |e| RunError::in_file(&loaded.path, None, format!("[[{array}]] '{name}': {e}"));
-        softfold_fold::locate(mesh, DVec2::from(place)).map_err(outside)
-    };
-    for a in &fold.anchors {
-        let point = at("fold.anchors", &a.name, a.at)?;
-        goals.push(Box::new(Anchor {
-            name: a.name.clone(),
-            point,
-            target: a.target.into(),
-            stiffness: a.stiffness.into(),
-        }));
-    }
-    for b in &fold.bands {
-        let ends = [at("fold.bands", &b.name, b.from)?, at("fold.bands", &b.name, b.to)?];
-        goals.push(Box::new(ClampLength {
-            name: b.name.clone(),
-            ends,
-            rest_mm: b.rest_mm,
-            stiffness: b.stiffness,
-        }));
-    }
-    let outline = &made(results.pattern.as_ref())?.outline;
-    for p in &fold.planes {
-        let length_mm = outline.length_mm();
-        let range = [p.outline_from, p.outline_to].map(|uv| outline.nearest(DVec2::from(uv)).0 / length_mm);
-        let vertices = softfold_fold::nearest_boundary_vertices(mesh, LoopId(0), length_mm, range);
-        let normal = DVec3::from(p.normal).normalize_or(DVec3::Z);
-        goals.push(Box::new(OnPlane {
-            name: p.name.clone(),
-            vertices,
-            origin: p.origin.into(),
-            normal,
-            stiffness: p.stiffness,
-        }));
-    }
-    Ok(goals)
 }
 
 fn analyse(_: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
@@ -493,17 +472,17 @@ fn surface(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) 
         softfold_surface::analyse(&fitted.surface, ANALYSIS_STEP * fitted.spacing_mm).map_err(defect)?;
     let face = softfold_mold::sheet_face(&fitted.surface).map_err(defect)?;
     let faults = occt::check(&face).map_err(defect)?;
-    let face_distance_mm = face_distance_mm(&face, sheet)?;
+    let face_mesh = occt::triangulate(&face, FACE_CHORD_MM, FACE_ANGLE_RAD).map_err(defect)?;
+    let face_distance_mm = face_distance_mm(&face_mesh, sheet)?;
     let d = fitted.surface.deviation;
     let word = format!("deviation {:.3} mm, {}", d.max_mm, fitted.why);
-    results.surface = Some(SurfaceResult { fitted, analysis, face, faults, face_distance_mm });
+    results.surface = Some(SurfaceResult { fitted, analysis, face, faults, face_mesh, face_distance_mm });
     Ok(word)
 }
 
-fn face_distance_mm(face: &occt::Shape, sheet: &FoldedSheet) -> Result<f64, RunError> {
-    let triangles = occt::triangulate(face, FACE_CHORD_MM, FACE_ANGLE_RAD).map_err(defect)?;
+fn face_distance_mm(face: &MeshBuffers, sheet: &FoldedSheet) -> Result<f64, RunError> {
     let points: Vec<[f64; 3]> = sheet.positions.iter().map(|p| p.to_array()).collect();
-    let distances = cgal::distances_to_mesh(&points, triangles.view()).map_err(defect)?;
+    let distances = cgal::distances_to_mesh(&points, face.view()).map_err(defect)?;
     Ok(distances.into_iter().fold(0.0, f64::max))
 }
 
@@ -527,15 +506,15 @@ fn board(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result
         },
     };
     let sheet = &made(results.surface.as_ref())?.fitted.surface;
-    let board = softfold_mold::make_board(sheet, &options)
-        .map_err(|e| mold_fault(loaded, "board", "thickness_mm", &e))?;
+    let board = softfold_mold::make_board(sheet, &options).map_err(|e| mold_fault(loaded, &e))?;
     let word = format!("{:.1} kg", board.mass_kg);
     results.board = Some(board);
     Ok(word)
 }
 
-/// Errors of the board and the mold are the input's unless a library failed.
-fn mold_fault(loaded: &Loaded, table: &str, key: &str, error: &MoldError) -> RunError {
+/// Errors of the board and the mold are the input's unless a library failed; they know the key that mends them.
+fn mold_fault(loaded: &Loaded, error: &MoldError) -> RunError {
+    let (table, key) = error.place();
     if error.is_defect() { defect(error) } else { loaded.fault(table, key, error) }
 }
 
@@ -545,7 +524,7 @@ const CONTACT_STEP_MM: f64 = 4.0;
 fn stability(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result<String, RunError> {
     let contact_mm = loaded.project.stability.contact_mm;
     let rest = softfold_mold::rest_of_board(made(results.board.as_ref())?, CONTACT_STEP_MM, contact_mm)
-        .map_err(|e| mold_fault(loaded, "stability", "contact_mm", &e))?;
+        .map_err(|e| mold_fault(loaded, &e))?;
     let word = format!(
         "{}, margin {:.0} mm",
         if rest.stability.stable { "stands" } else { "falls" },
@@ -555,8 +534,9 @@ fn stability(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Re
     Ok(word)
 }
 
-fn mold(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result<String, RunError> {
-    let (m, w) = (&loaded.project.mold, &loaded.project.waffle);
+/// What the project asks of the mold.
+fn mold_options(project: &Project) -> MoldOptions {
+    let (m, w) = (&project.mold, &project.waffle);
     let waffle = WaffleOptions {
         board_mm: w.board_mm,
         pitch_mm: w.pitch_mm,
@@ -566,19 +546,32 @@ fn mold(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result<
         stock: StockOptions { size_mm: w.stock_mm, ..StockOptions::default() },
         ..WaffleOptions::default()
     };
-    let options = MoldOptions {
+    MoldOptions {
         thickness_mm: m.thickness_mm,
         cell_mm: m.cell_mm,
         printer_mm: m.printer_mm,
         waffle: Some(waffle),
         ..MoldOptions::default()
-    };
-    let sheet = &made(results.surface.as_ref())?.fitted.surface;
-    let mold =
-        softfold_mold::make_mold(sheet, &options).map_err(|e| mold_fault(loaded, "mold", "cell_mm", &e))?;
+    }
+}
+
+fn mold(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
+    let project = &loaded.project;
+    let surface = made(results.surface.as_ref())?;
+    let mut watch = |done: f64| progress.advance(Some(done), "parts");
+    let mold = softfold_mold::make_mold_watched(&surface.fitted.surface, &mold_options(project), &mut watch)
+        .map_err(|e| mold_fault(loaded, &e))?;
     let word = format!("{} parts, {} boards", mold.parts.len(), mold.waffle.boards.len());
-    (results.mold, results.stock_mm) = (Some(mold), w.stock_mm);
+    results.mold_mesh_volume_mm3 = mesh_volume_mm3(&surface.face_mesh, &mold, project.mold.thickness_mm)?;
+    (results.mold, results.stock_mm) = (Some(mold), project.waffle.stock_mm);
     Ok(word)
+}
+
+/// Volume of the mold by another way: the face's triangles swept by CGAL.
+fn mesh_volume_mm3(face: &MeshBuffers, mold: &Mold, thickness_mm: f64) -> Result<f64, RunError> {
+    let down = mold.pose.mold_from_sheet.inverse().rotation * DVec3::new(0.0, 0.0, -thickness_mm);
+    let swept = cgal::extrude(face.view(), down.to_array()).map_err(defect)?;
+    Ok(cgal::closed_check(swept.view()).map_err(defect)?.volume_mm3.abs())
 }
 
 /// Figures of the bands, by crease, for the report.

@@ -9,25 +9,9 @@ use crate::packages;
 const PROJECT: &str = "fixtures/sculpture/project.toml";
 const OUT: &str = "out";
 
-/// What a run leaves in its folder.
-const FILES: [&str; 13] = [
-    "pattern.svg",
-    "flat.obj",
-    "folded.obj",
-    "folded.ply",
-    "folded.fold",
-    "cage.obj",
-    "sheet.step",
-    "board.step",
-    "mold.step",
-    "waffle.dxf",
-    "blank.dxf",
-    "report.json",
-    "report.html",
-];
-
-/// The endings of which the folder of parts holds at least one each.
-const PART_ENDINGS: [&str; 3] = ["3mf", "stl", "step"];
+/// What a run leaves in its folder: a name a line, `parts/*.ENDING` where there is at least one of that ending. The
+/// end-to-end test reads the same list.
+const FILES: &str = include_str!("../../../tests/files.txt");
 
 /// Builds, runs, and checks that every promised file is there.
 ///
@@ -52,11 +36,11 @@ pub(crate) fn run(chores: &mut Chores) -> Result<(), Failure> {
 
 /// The promised files that are absent, empty, or older than this run.
 fn missing(folder: &Path, begun: SystemTime) -> Vec<String> {
-    let absent = |name: &&str| !is_written(&folder.join(name), begun);
-    let mut missing: Vec<String> = FILES.into_iter().filter(absent).map(str::to_owned).collect();
-    let lacking = |ending: &&str| !holds(&folder.join("parts"), ending, begun);
-    missing.extend(PART_ENDINGS.into_iter().filter(lacking).map(|ending| format!("parts/*.{ending}")));
-    missing
+    let written = |name: &str| match name.split_once("/*.") {
+        Some((inner, ending)) => holds(&folder.join(inner), ending, begun),
+        None => is_written(&folder.join(name), begun),
+    };
+    FILES.lines().filter(|name| !written(name)).map(str::to_owned).collect()
 }
 
 fn is_written(file: &Path, begun: SystemTime) -> bool {
@@ -74,7 +58,7 @@ fn print_guide(folder: &Path) {
     println!("\nEverything is in {}. To look at:", folder.display());
     for (file, what) in [
         ("report.html", "figures, pictures and verdicts, in any browser"),
-        ("folded.ply", "the folded sheet, coloured by strain (MeshLab, Blender)"),
+        ("folded.ply", "the folded sheet, coloured by its area error (MeshLab, Blender)"),
         ("board.step", "the thick object as a solid (any CAD program)"),
         ("mold.step", "the mold that makes it; parts/ has it in printable pieces"),
         ("waffle.dxf", "the boards that carry the mold, nested for the mill"),

@@ -36,7 +36,11 @@ const PACKAGES: &[Package] = &[
     package("libocct-modeling-algorithms-dev", OCCT, "OpenCascade: solids, booleans, checks"),
     package("libocct-ocaf-dev", OCCT, "OpenCascade: names and colours of products"),
     package("libocct-data-exchange-dev", OCCT, "OpenCascade: STEP"),
-    package("libocct-visualization-dev", OCCT, "OpenCascade: engraved text"),
+    package(
+        "libocct-visualization-dev",
+        OCCT,
+        "OpenCascade: NCollection_AliasedArray.hxx, which its mesh headers include and Debian files here",
+    ),
     package("libeigen3-dev", "3.", "Eigen: wanted by CGAL's and OpenMesh's headers"),
     package("libtbb-dev", "", "TBB: wanted by OCCT's headers"),
     package("libgl1", "", "outside readers: cadquery-ocp loads it"),

@@ -14,7 +14,7 @@ pub(crate) fn run(chores: &mut Chores) -> Result<(), Failure> {
     outside::prepare(chores)?;
     let clippy = cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
     chores.run("clippy", clippy, "The first message above names the line.")?;
-    let mut tests = cargo(&["test", "--workspace"]);
+    let mut tests = cargo(&["test", "--workspace", "--no-fail-fast"]);
     tests.env("SOFTFOLD_READERS", "required");
     chores.run("tests", tests, "The names of the tests that failed are listed above.")
 }

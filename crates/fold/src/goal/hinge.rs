@@ -193,6 +193,9 @@ impl Goal for Hinges {
         for h in &self.hinges {
             let turn = h.turn(x);
             let steepness: f64 = turn.gradient.iter().map(|g| g.length_squared()).sum();
+            if steepness == 0.0 {
+                continue; // both wings without area: nothing turns
+            }
             // The shortest motion that, to first order, gives the rest angle.
             let reach = wrapped(turn.angle - h.rest_rad) / steepness;
             h.vertices

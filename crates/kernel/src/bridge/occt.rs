@@ -51,8 +51,6 @@ mod ffi {
     struct Mass {
         volume: f64,
         center: [f64; 3],
-        /// Rows.
-        inertia: [f64; 9],
     }
 
     struct StepPart {

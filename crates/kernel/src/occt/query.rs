@@ -19,15 +19,13 @@ pub struct Counts {
     pub edges: usize,
 }
 
-/// Measures of a shape of density 1.
+/// Measures of a solid.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct MassProperties {
-    /// Volume in mm³; 0 without a solid.
+    /// Volume, mm³.
     pub volume_mm3: f64,
-    /// Center of the volume, or of the area without a solid; mm.
+    /// Center of the volume, mm.
     pub center: [f64; 3],
-    /// Inertia about `center` along the axes: of the volume in mm⁵, or of the area in mm⁴. Rows.
-    pub inertia: [[f64; 3]; 3],
 }
 
 /// How many solids, shells, faces and edges it has.
@@ -58,14 +56,13 @@ pub fn check(shape: &Shape) -> Result<Vec<String>> {
     run("occt::check", || ffi::check(shape.raw()))
 }
 
-/// Volume, center and inertia of solids, right to about 1e-9 of themselves with B-spline faces.
+/// Volume and center of solids, right to about 1e-8 of themselves with B-spline faces.
 ///
 /// # Errors
 /// A shape without a solid; an integration that does not converge.
 pub fn mass_properties(shape: &Shape) -> Result<MassProperties> {
     let mass = run("occt::mass_properties", || ffi::mass_properties(shape.raw()))?;
-    let inertia = |row: usize| std::array::from_fn(|column| mass.inertia[3 * row + column]);
-    Ok(MassProperties { volume_mm3: mass.volume, center: mass.center, inertia: std::array::from_fn(inertia) })
+    Ok(MassProperties { volume_mm3: mass.volume, center: mass.center })
 }
 
 /// Area of a shape's faces, mm².

@@ -14,16 +14,10 @@ const DECIMALS: usize = 6;
 pub mod colour {
     /// Red.
     pub const RED: u8 = 1;
-    /// Yellow.
-    pub const YELLOW: u8 = 2;
     /// Green.
     pub const GREEN: u8 = 3;
-    /// Cyan.
-    pub const CYAN: u8 = 4;
     /// Blue.
     pub const BLUE: u8 = 5;
-    /// Magenta.
-    pub const MAGENTA: u8 = 6;
     /// White on a dark screen, black on a light one.
     pub const BLACK: u8 = 7;
     /// Grey.

@@ -83,7 +83,9 @@ fn key_figures(report: &Report) -> String {
             if f.area_error_max.abs() > f.area_error_min.abs() { f.area_error_max } else { f.area_error_min };
         ("Largest area error", percent(larger))
     }));
-    key.extend(report.analyse.as_ref().map(|a| ("Tightest bend", maybe(a.min_bend_radius_mm, "mm"))));
+    key.extend(
+        report.analyse.as_ref().map(|a| ("Tightest bend of the sheet", maybe(a.min_bend_radius_mm, "mm"))),
+    );
     key.extend(report.board.as_ref().map(|b| ("Mass", with_unit(b.mass_kg, "kg"))));
     key.extend(report.stability.as_ref().map(|s| {
         (
@@ -280,7 +282,7 @@ fn fold_facts(f: &Fold) -> String {
 
 fn analyse_facts(a: &Analyse) -> String {
     Facts::default()
-        .row("Tightest bend radius", maybe(a.min_bend_radius_mm, "mm"))
+        .row("Tightest bend of the sheet", maybe(a.min_bend_radius_mm, "mm"))
         .row("at", place(&a.min_bend_radius_at))
         .row("Strain of the outer fibre", percent_size(a.max_fibre_strain))
         .row(
@@ -312,7 +314,7 @@ fn board_facts(b: &Board) -> String {
         .row("Area × thickness", volume(b.area_times_thickness_mm3))
         .row("Area", area(b.area_mm2))
         .row("Mass", with_unit(b.mass_kg, "kg"))
-        .row("Barycenter", place(&b.barycenter_mm))
+        .row("Barycenter as folded", place(&b.barycenter_mm))
         .row("Smallest radius of a skin", maybe(b.min_radius_mm, "mm"))
         .row("Error of the thickness", with_unit(b.offset_error_mm, "mm"))
         .row("Valid solid", yes(b.valid))
@@ -337,7 +339,8 @@ fn stability_facts(s: &Stability) -> String {
         .row("Stands", yes(s.stable))
         .row("Barycenter to the nearest edge", with_unit(s.margin_mm, "mm"))
         .row("Tips at", with_unit(s.tipping_angle_deg, "°"))
-        .row("Barycenter", place(&s.barycenter_mm))
+        .row("Tilts until it rests", with_unit(s.tilt_deg, "°"))
+        .row("Barycenter at rest", place(&s.barycenter_mm))
         .row("Height", with_unit(s.height_mm, "mm"))
         .row("Contact points", s.contact_points.to_string())
         .finish("Stability")
@@ -407,8 +410,21 @@ fn board_table(m: &Mold) -> String {
     scroll(&format!("<h3>Boards</h3>{}", table(&["Board", "Length", "Height"], &rows)))
 }
 
+/// The many files of one kind in a folder as one: `parts/*.stl`.
+fn grouped(path: &str) -> String {
+    match (path.rsplit_once('/'), path.rsplit_once('.')) {
+        (Some((folder, _)), Some((_, ending))) => format!("{folder}/*.{ending}"),
+        _ => path.to_owned(),
+    }
+}
+
 fn files(report: &Report) -> String {
-    let rows: Vec<_> = report.files.iter().map(|f| vec![f.path.clone(), f.purpose.clone()]).collect();
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for (pattern, purpose) in report.files.iter().map(|f| (grouped(&f.path), &f.purpose)) {
+        if !rows.iter().any(|r| r[0] == pattern && r[1] == *purpose) {
+            rows.push(vec![pattern, purpose.clone()]);
+        }
+    }
     let content =
         if rows.is_empty() { String::new() } else { scroll(&table(&["File", "What it is for"], &rows)) };
     section("files", "Files", &content)

@@ -159,8 +159,8 @@ pub struct Fold {
     pub area_error_max_at: [f64; 2],
     /// Largest difference between the turn of a fold line and the turn it should make, degrees.
     pub turn_error_max_deg: f64,
-    /// Hoop strain δ/R that soft rotational creases ask for, with δ = 2 r (sin α − α cos α); the largest
-    /// over the creases; none where no crease is curved.
+    /// Hoop strain ± δ/(2R) that soft rotational creases ask for when both sides share it, with
+    /// δ = 2 r (sin α − α cos α); the largest over the creases; none where no crease is curved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hoop_estimate: Option<f64>,
     /// What each goal contributes.
@@ -261,6 +261,10 @@ pub struct Stability {
     pub contact_points: usize,
     /// Height as it stands, mm.
     pub height_mm: f64,
+    /// The margin on the face on which the piece exactly rests, without the contact tolerance, mm; past it the piece
+    /// rocks onto its next foot.
+    #[serde(default)]
+    pub support_margin_mm: f64,
     /// By how much it tips from the folded pose until it rests, degrees.
     #[serde(default)]
     pub tilt_deg: f64,
@@ -271,6 +275,9 @@ pub struct Stability {
 pub struct Mold {
     /// Volume of the whole mold, mm³.
     pub volume_mm3: f64,
+    /// The same from triangles swept by CGAL, mm³.
+    #[serde(default)]
+    pub mesh_volume_mm3: f64,
     /// Rows of the rotation from the folded sheet's space to the mold's.
     pub pose_rotation: [[f64; 3]; 3],
     /// Translation after it, mm.

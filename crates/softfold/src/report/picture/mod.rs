@@ -83,9 +83,9 @@ impl View {
     /// The four views of the report.
     pub fn standard() -> Vec<Self> {
         vec![
-            Self::new("from the front right", 35.0, 28.0),
-            Self::new("from the back right", 145.0, 28.0),
-            Self::new("from the back left", 215.0, 28.0),
+            Self::new("from the front", 0.0, 12.0),
+            Self::new("from the front left", 310.0, 20.0),
+            Self::new("from the back right", 150.0, 20.0),
             Self::new("from above", 0.0, 90.0),
         ]
     }
