@@ -298,7 +298,9 @@ mod tests {
             assert!((part.plain_volume_mm3 / 2e5 - 1.0).abs() < 1e-9);
         }
         assert!(mold.pose.undercuts.is_empty() && mold.slivers.is_empty());
-        assert!(mold.waffle.boards.len() > 4);
+        let waffle = &mold.waffle;
+        assert!(waffle.boards.len() + waffle.dropped.len() > 4 && waffle.boards.len() > 1);
+        assert!(waffle.boards.iter().all(|b| !b.slots_mm.is_empty()), "every board crosses another");
     }
 
     #[test]

@@ -682,6 +682,16 @@ mod tests {
     }
 
     #[test]
+    fn boards_that_cross_no_other_are_dropped_with_their_grooves() {
+        let patch = patch(&shapes::flat(shapes::ellipse(420.0, 80.0)));
+        let options = WaffleOptions { least_length_mm: 20.0, ..Default::default() };
+        let (waffle, grooves) = design(&HeightField::new(&patch), THICKNESS_MM, &options).unwrap();
+        assert!(waffle.boards.len() > 1 && waffle.boards.iter().all(|b| !b.slots_mm.is_empty()));
+        assert!(!waffle.dropped.is_empty(), "so narrow a sheet has boards that cross none");
+        assert_eq!(grooves.len(), waffle.boards.len());
+    }
+
+    #[test]
     fn short_boards_are_dropped_and_told() {
         let patch = patch(&shapes::flat(shapes::ellipse(300.0, 110.0)));
         let options = WaffleOptions { least_length_mm: 200.0, ..Default::default() };
