@@ -426,7 +426,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "a whole mold of 1600 x 800 mm: a minute or two"]
     fn a_whole_mold_holds_all_its_truths() {
         let mold =
             make_mold(&shapes::corrugation(shapes::ellipse(800.0, 400.0)), &MoldOptions::default()).unwrap();
