@@ -1,18 +1,9 @@
 //! What folding did to the sheet: strain, turns, bend radius, developability.
 
 use glam::{DMat2, DVec2, DVec3};
-use softfold_geometry::{CreaseId, EdgeClass, EdgeId, FoldedSheet, Site, TriangleId};
+use softfold_geometry::{CreaseId, EdgeClass, EdgeId, Extreme, FoldedSheet, Site, TriangleId};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-
-/// A figure and the place on the sheet where it was found, (u, v) in mm.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Extreme {
-    /// The figure.
-    pub value: f64,
-    /// Where.
-    pub at: DVec2,
-}
 
 /// Figures of a folded sheet. Strains are relative (0.01 = 1 %).
 #[derive(Clone, Debug, PartialEq)]

@@ -16,6 +16,7 @@ pub mod sheet;
 pub mod soft;
 pub mod solid;
 pub mod surface;
+pub mod text;
 pub mod tolerance;
 
 pub use check::{CheckError, Issue, Severity};
@@ -25,7 +26,7 @@ pub use id::{CreaseId, EdgeId, LoopId, TriangleId, VertexId};
 pub use mesh::{Edge, EdgeClass, FlatMesh, Site};
 pub use pattern::{Crease, CreasePattern, Role, Source};
 pub use pose::RigidTransform;
-pub use sheet::{FoldedSheet, SolveRecord};
+pub use sheet::{Extreme, FoldedSheet, SolveRecord};
 pub use soft::{Band, FoldLine, OutlinePoint, SoftPattern};
 pub use solid::TriMesh;
 pub use surface::{Deviation, SheetSurface, SurfacePoint, UniformBicubic};

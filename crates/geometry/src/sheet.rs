@@ -1,7 +1,16 @@
 //! The folded sheet: the flat mesh with its positions in space.
 
 use crate::{CheckError, Edge, FlatMesh, TriangleId, VertexId};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+
+/// A figure, in the unit of the field that holds it, and the place on the sheet where it was found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extreme {
+    /// The figure.
+    pub value: f64,
+    /// Where, (u, v) in mm.
+    pub at: DVec2,
+}
 
 /// How a solver ended; no clock here, the pipeline measures time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -76,7 +85,6 @@ impl FoldedSheet {
 mod tests {
     use super::*;
     use crate::{EdgeClass, LoopId, Site};
-    use glam::DVec2;
 
     /// Two triangles on the line u = 0, the left one at (-1, 0).
     fn folded(lift: f64) -> FoldedSheet {

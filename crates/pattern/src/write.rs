@@ -1,7 +1,7 @@
 //! Patterns as SVG, in the convention that the reader reads.
 
 use crate::colour;
-use softfold_geometry::{CreasePattern, DVec2, PlanarCurve, Role, Segment, polygon};
+use softfold_geometry::{CreasePattern, DVec2, PlanarCurve, Role, Segment, polygon, text};
 use std::fmt::Write;
 
 /// Decimals of every number: a nanometre, below any tolerance of a sheet.
@@ -48,7 +48,7 @@ impl Page {
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}mm\" height=\"{h}mm\" viewBox=\"{x} 0 {w} {h}\">\n\
              <title>{}</title>\n<g fill=\"none\" stroke-width=\"{stroke}\">\n",
-            escaped(&pattern.name)
+            text::escape_xml(&pattern.name)
         )
     }
 
@@ -62,7 +62,7 @@ impl Page {
         let _ = writeln!(
             out,
             "<path id=\"{}\" stroke=\"{}\" data-assignment=\"{}\"{extra} d=\"{}\"/>",
-            escaped(id),
+            text::escape_xml(id),
             colour::colour_of(role),
             role.letter(),
             self.data(curve)
@@ -89,15 +89,9 @@ fn controls(curve: &PlanarCurve) -> impl Iterator<Item = DVec2> + '_ {
     curve.segments().iter().flat_map(|s| s.control_points())
 }
 
-/// A number with [`DECIMALS`] at most, no trailing zeros, and no negative zero.
+/// A number with [`DECIMALS`] at most.
 fn number(x: f64) -> String {
-    let text = format!("{x:.DECIMALS$}");
-    let short = text.trim_end_matches('0').trim_end_matches('.');
-    if short == "-0" { "0".to_owned() } else { short.to_owned() }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    text::number(x, DECIMALS)
 }
 
 #[cfg(test)]

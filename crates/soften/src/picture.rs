@@ -1,6 +1,6 @@
 //! The bands as an SVG picture, in mm.
 
-use softfold_geometry::{Band, CreasePattern, DVec2, FoldLine, PlanarCurve, SoftPattern, polygon};
+use softfold_geometry::{Band, CreasePattern, DVec2, FoldLine, PlanarCurve, SoftPattern, polygon, text};
 use std::fmt::Write;
 
 /// Decimals of coordinates: a micrometre, below what a picture shows.
@@ -57,7 +57,7 @@ impl View {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}mm\" height=\"{h}mm\" viewBox=\"0 0 {w} {h}\" \
              font-family=\"sans-serif\" font-size=\"{}\">\n<title>{}</title>\n",
             number(LABEL_SHARE * self.scale),
-            escaped(name)
+            text::escape_xml(name)
         )
     }
 
@@ -78,7 +78,7 @@ impl View {
         let colour = if band.fold_angle_rad < 0.0 { "#c8102e" } else { "#1f4fd8" };
         let (Some(right), Some(left)) = (band.fold_lines.first(), band.fold_lines.last()) else { return };
         let around: Vec<DVec2> = right.points.iter().chain(left.points.iter().rev()).copied().collect();
-        let _ = writeln!(out, "<g id=\"{}\">", escaped(name));
+        let _ = writeln!(out, "<g id=\"{}\">", text::escape_xml(name));
         let area = self.polyline(&around);
         let _ = writeln!(
             out,
@@ -108,7 +108,7 @@ impl View {
         let _ = writeln!(
             out,
             "<text x=\"{place}\">{}: r {} mm, {}°, {} strips</text>",
-            escaped(name),
+            text::escape_xml(name),
             number(band.radius_mm),
             number(band.fold_angle_rad.to_degrees()),
             band.fold_lines.len() - 1
@@ -117,11 +117,5 @@ impl View {
 }
 
 fn number(x: f64) -> String {
-    let text = format!("{x:.DECIMALS$}");
-    let short = text.trim_end_matches('0').trim_end_matches('.');
-    if short == "-0" { "0".to_owned() } else { short.to_owned() }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    text::number(x, DECIMALS)
 }

@@ -3,8 +3,8 @@
 use crate::export::dxf::{Drawing, Entity, Layer, colour};
 use crate::export::{fold, obj, ply, stl, threemf};
 use crate::output::Staging;
-use crate::pictures::{on_stock, pictures};
-use crate::report::{html, json, picture::Scale};
+use crate::pictures::{area_scale, on_stock, pictures};
+use crate::report::{html, json};
 use crate::stages::{Loaded, Results};
 use crate::{RunError, record};
 use softfold_geometry::{DVec2, DVec3, PlanarCurve, SoftPattern};
@@ -141,8 +141,7 @@ impl Writer<'_> {
         self.add("folded.fold", "flat and folded mesh with creases and angles", text)?;
         let Some(a) = &results.analyse else { return Ok(()) };
         let v = &a.verdict;
-        let limit = v.area_error.iter().map(|e| e.value.abs()).fold(1e-6, f64::max);
-        let colours = Scale::diverging(limit).colours(&v.vertex_area_error);
+        let colours = area_scale(v).0.colours(&v.vertex_area_error);
         let scalars = [
             ply::Scalar { name: "area_error", values: &v.vertex_area_error },
             ply::Scalar { name: "bend_radius", values: &v.vertex_bend_radius_mm },

@@ -7,6 +7,7 @@ use crate::report::picture::{
 };
 use crate::report::plans::{self, PlanBoard, PlanPart, StockSheet};
 use crate::stages::{AnalyseResult, FoldResult, Results};
+use softfold_fold::Verdict;
 use softfold_geometry::{DVec2, DVec3, EdgeClass, FoldedSheet, polygon};
 use softfold_mold::{Mold, Placed, WaffleBoard};
 
@@ -53,8 +54,7 @@ fn hull(points: &[DVec2]) -> Result<Vec<DVec2>, RunError> {
 
 fn views(fold: &FoldResult, analyse: &AnalyseResult) -> Result<Vec<Picture>, RunError> {
     let verdict = &analyse.verdict;
-    let limit = verdict.area_error.iter().map(|e| e.value.abs()).fold(1e-6, f64::max);
-    let area = Scale::diverging(limit);
+    let (area, limit) = area_scale(verdict);
     let ends = [format!("{:+.2} %", -100.0 * limit), format!("{:+.2} %", 100.0 * limit)];
     let area_legend = area.legend("area error", ends);
     let radius = Scale::logarithmic(RADIUS_SCALE_MM[0], RADIUS_SCALE_MM[1]);
@@ -79,6 +79,14 @@ fn views(fold: &FoldResult, analyse: &AnalyseResult) -> Result<Vec<Picture>, Run
         });
     }
     Ok(views)
+}
+
+/// Colours of area errors, and the error of the strongest: the largest of the sheet, but no less than rounding.
+pub(crate) fn area_scale(verdict: &Verdict) -> (Scale, f64) {
+    /// A sheet that keeps its area to this is shown as white.
+    const NOTHING: f64 = 1e-6;
+    let limit = verdict.area_error.iter().map(|e| e.value.abs()).fold(NOTHING, f64::max);
+    (Scale::diverging(limit), limit)
 }
 
 /// Ends of the colour scale of bend radii, mm: tighter than any soft fold, flatter than any eye sees.

@@ -3,16 +3,7 @@
 use crate::SurfaceError;
 use crate::error::is_positive;
 use glam::{DVec2, DVec3};
-use softfold_geometry::{PlanarCurve, SheetSurface, SurfacePoint, Tolerance, polygon};
-
-/// A value and where it is found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Extreme {
-    /// The value, in the unit of the field that holds it.
-    pub value: f64,
-    /// Where, (u, v) in mm.
-    pub at: DVec2,
-}
+use softfold_geometry::{Extreme, PlanarCurve, SheetSurface, SurfacePoint, Tolerance, polygon};
 
 /// The surface inside its trim, seen at a lattice of points.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -24,7 +24,7 @@ mod testing;
 #[cfg(test)]
 mod tests;
 
-pub use analyse::{Extreme, SurfaceAnalysis, analyse};
+pub use analyse::{SurfaceAnalysis, analyse};
 pub use error::SurfaceError;
 pub use lattice::Cage;
 

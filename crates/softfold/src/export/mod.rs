@@ -11,8 +11,7 @@ pub mod obj;
 pub mod ply;
 pub mod stl;
 pub mod svg;
-mod text;
 pub mod threemf;
 
 pub use error::ExportError;
-pub use text::{escape_xml, number};
+pub use softfold_geometry::text::{escape_xml, number};

@@ -1,7 +1,7 @@
 //! Wavefront OBJ: triangle meshes and quad cages.
 
-use super::text::{number, one_line};
 use softfold_geometry::DVec3;
+use softfold_geometry::text::{number, one_line};
 use std::fmt::Write;
 
 /// Digits after the point: 1e-6 mm is far below every tolerance of a sheet.

@@ -1,7 +1,7 @@
 //! Coloured PLY (binary little endian): the folded sheet with its figures at every vertex.
 
-use super::text::one_line;
 use softfold_geometry::DVec3;
+use softfold_geometry::text::one_line;
 use std::fmt::Write;
 
 /// Scalars beyond this are cut to it, and NaN becomes 0: viewers spoil their colour range on infinities

@@ -1,6 +1,6 @@
 //! Binary STL. The format has no unit; the header says mm.
 
-use super::text::one_line;
+use softfold_geometry::text::one_line;
 use softfold_geometry::{DVec3, TriMesh};
 
 /// Length of the header, fixed by the format.

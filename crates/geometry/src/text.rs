@@ -1,4 +1,4 @@
-//! Printing numbers and escaping text, one way for all formats.
+//! Numbers and text as files hold them, one way for all formats.
 
 /// A number with at most `decimals` digits after the point and no trailing zeros; never `-0`.
 pub fn number(value: f64, decimals: usize) -> String {
@@ -26,7 +26,7 @@ pub fn escape_xml(text: &str) -> String {
 }
 
 /// Text on one line: control characters become spaces.
-pub(crate) fn one_line(text: &str) -> String {
+pub fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
