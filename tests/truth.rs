@@ -1,4 +1,4 @@
-//! Closed-form states and other people's patterns, from the folder `../shared` beside the checkout.
+//! Closed-form states, from the folder `../shared` beside the checkout.
 //!
 //! Where that folder is absent each test says so and ends; `.ci/run` refuses to begin without it.
 
@@ -9,16 +9,18 @@
     reason = "a test may stop at the first surprise"
 )]
 
+#[path = "common/shared.rs"]
+mod shared;
+
 use serde_json::Value;
+use shared::{files, say, shared};
 use softfold_fold::{EdgeLengths, Goal, Hinges, Solver, fold, upright};
 use softfold_geometry::{
     CreaseId, DMat3, DVec2, DVec3, Edge, EdgeClass, EdgeId, FlatMesh, FoldedSheet, LoopId, Site, SolveRecord,
     VertexId, polygon,
 };
-use softfold_pattern::{PatternError, ReadOptions, read_svg};
 use std::collections::BTreeMap;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// How far a folded sheet may be from its closed form: root mean square over the vertices, by the sheet's size.
 const RMS_MAX: f64 = 2e-3;
@@ -27,36 +29,6 @@ const RMS_MAX: f64 = 2e-3;
 const ANGLE_MAX_DEG: f64 = 0.01;
 /// Closed-form states in `../shared/truth`.
 const STATES: usize = 7;
-
-/// Says something that the test harness would keep to itself.
-fn say(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
-}
-
-/// A folder of `../shared`; none, and a word about it, where there is no such folder.
-fn shared(test: &str, folder: &str) -> Option<PathBuf> {
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared").join(folder);
-    if !place.is_dir() {
-        say(&format!("\n*** skipped: {test}: there is no folder ../shared/{folder} beside the checkout ***"));
-        return None;
-    }
-    Some(place)
-}
-
-/// Every file below a folder with one ending, sorted.
-fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).expect("a readable folder") {
-        let path = entry.expect("a readable entry").path();
-        if path.is_dir() {
-            found.extend(files(&path, ending));
-        } else if path.extension().is_some_and(|e| e == ending) {
-            found.push(path);
-        }
-    }
-    found.sort();
-    found
-}
 
 /// A closed-form state: the positions of the flat mesh's vertices; its folds carry the angles that the file tells.
 struct Truth {
@@ -169,7 +141,7 @@ fn worst_angle_rad(sheet: &FoldedSheet) -> f64 {
 #[test]
 fn folding_from_flat_reaches_the_closed_forms() {
     let Some(folder) = shared("folding_from_flat_reaches_the_closed_forms", "truth") else { return };
-    let states = files(&folder, "fold");
+    let states = files(&folder, &["fold"]);
     assert_eq!(states.len(), STATES, "closed-form states in {}", folder.display());
     let mut faults = Vec::new();
     say("\nclosed form                     vertices  steps  gradient  angle deg  rms % of size");
@@ -208,41 +180,4 @@ fn alignment_sees_shape_and_handedness_alone() {
     assert!(aligned_rms_mm(&points, &longer) > 0.1);
     let mirrored: Vec<DVec3> = points.iter().map(|p| DVec3::new(-p.x, p.y, p.z)).collect();
     assert!(std::panic::catch_unwind(|| aligned_rms_mm(&points, &mirrored)).is_err());
-}
-
-/// What became of a drawing, in a word: the variant's name.
-fn outcome(text: &str, name: &str) -> String {
-    let read = std::panic::catch_unwind(|| read_svg(text, name, &ReadOptions::default()));
-    match read.unwrap_or_else(|_| panic!("{name}: the reader panicked")) {
-        Ok(file) => {
-            file.pattern.check().unwrap_or_else(|error| panic!("{name}: {error}"));
-            "read".to_owned()
-        }
-        Err(error) => refusal(&error, name),
-    }
-}
-
-fn refusal(error: &PatternError, name: &str) -> String {
-    let issue = error.issue();
-    assert!(!issue.message.is_empty() && !issue.mend.is_empty(), "{name}: {error}: no word of what to do");
-    let kind = format!("{error:?}").split('(').next().unwrap_or_default().to_owned();
-    format!("refused: {kind}")
-}
-
-#[test]
-fn other_peoples_patterns_are_read_or_refused_with_a_mend() {
-    let Some(folder) = shared("other_peoples_patterns_are_read_or_refused_with_a_mend", "patterns") else {
-        return;
-    };
-    let drawings = files(&folder, "svg");
-    assert!(!drawings.is_empty(), "no drawings in {}", folder.display());
-    let mut table: BTreeMap<String, usize> = BTreeMap::new();
-    for drawing in &drawings {
-        let bytes = std::fs::read(drawing).expect("a readable drawing");
-        let name = drawing.file_stem().unwrap_or_default().to_string_lossy();
-        *table.entry(outcome(&String::from_utf8_lossy(&bytes), &name)).or_default() += 1;
-    }
-    say(&format!("\n{} patterns of other people", drawings.len()));
-    table.iter().for_each(|(what, count)| say(&format!("{count:>6}  {what}")));
-    assert!(table.contains_key("read"), "not one was read");
 }

@@ -1,5 +1,7 @@
 //! Other people's programs that read what softfold wrote; `cargo xtask test` sets them up.
 
+#![allow(dead_code, reason = "each test binary uses its part")]
+
 use serde_json::Value;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

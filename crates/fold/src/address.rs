@@ -29,6 +29,11 @@ impl SheetPoint {
         Self { vertices, weights }
     }
 
+    /// A vertex.
+    pub fn vertex(vertex: VertexId) -> Self {
+        Self::new([vertex.0; 3], [1.0, 0.0, 0.0])
+    }
+
     /// The corners.
     pub fn vertices(&self) -> [u32; 3] {
         self.vertices

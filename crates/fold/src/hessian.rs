@@ -3,6 +3,27 @@
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use glam::DMat3;
 
+/// What takes the 3×3 blocks ∂²E/∂xᵢ∂xⱼ.
+pub(crate) trait BlockSink {
+    /// Adds a block; those above the diagonal are passed over.
+    fn add(&mut self, i: u32, j: u32, block: DMat3);
+}
+
+/// Of each vertex the vertices from it on that a group couples to it, in order.
+pub(crate) fn coupled_rows(vertices: usize, groups: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    let mut rows: Vec<Vec<u32>> = (0..vertices as u32).map(|v| vec![v]).collect();
+    for group in groups {
+        for &j in group {
+            rows[j as usize].extend(group.iter().filter(|&&i| i > j));
+        }
+    }
+    for r in &mut rows {
+        r.sort_unstable();
+        r.dedup();
+    }
+    rows
+}
+
 /// Lower triangle of a symmetric matrix of 3×3 blocks, stored column by column for faer.
 pub struct Hessian {
     symbolic: SymbolicSparseColMat<usize>,
@@ -16,17 +37,7 @@ pub struct Hessian {
 impl Hessian {
     /// A zero matrix for `vertices` vertices with room for every pair of each group.
     pub fn new(vertices: usize, groups: &[Vec<u32>]) -> Self {
-        let mut rows: Vec<Vec<u32>> = (0..vertices as u32).map(|v| vec![v]).collect();
-        for group in groups {
-            for &j in group {
-                rows[j as usize].extend(group.iter().filter(|&&i| i > j));
-            }
-        }
-        for r in &mut rows {
-            r.sort_unstable();
-            r.dedup();
-        }
-        Self::with_rows(rows)
+        Self::with_rows(coupled_rows(vertices, groups))
     }
 
     fn with_rows(rows: Vec<Vec<u32>>) -> Self {
@@ -51,23 +62,9 @@ impl Hessian {
         self.values.fill(0.0);
     }
 
-    /// Adds a block; those above the diagonal are passed over.
-    pub fn add(&mut self, i: u32, j: u32, block: DMat3) {
-        if i < j {
-            return;
-        }
-        let Ok(place) = self.rows[j as usize].binary_search(&i) else {
-            debug_assert!(false, "block {i} {j} was not announced by couplings()");
-            return;
-        };
-        for c in 0..3 {
-            let column = block.col(c);
-            let first = self.starts[3 * j as usize + c] + 3 * place;
-            let skip = if place == 0 { c } else { 0 };
-            for r in skip..3 {
-                self.values[first + r - c] += column[r];
-            }
-        }
+    /// Whether every one of these pairs has its place.
+    pub fn holds(&self, pairs: &[[u32; 2]]) -> bool {
+        pairs.iter().all(|&[i, j]| self.rows[i.min(j) as usize].binary_search(&i.max(j)).is_ok())
     }
 
     /// Adds `shift` to the diagonal.
@@ -108,9 +105,35 @@ impl Hessian {
     }
 }
 
+impl BlockSink for Hessian {
+    fn add(&mut self, i: u32, j: u32, block: DMat3) {
+        if i < j {
+            return;
+        }
+        let Ok(place) = self.rows[j as usize].binary_search(&i) else {
+            debug_assert!(false, "block {i} {j} was not announced by couplings()");
+            return;
+        };
+        for c in 0..3 {
+            let column = block.col(c);
+            let first = self.starts[3 * j as usize + c] + 3 * place;
+            let skip = if place == 0 { c } else { 0 };
+            for r in skip..3 {
+                self.values[first + r - c] += column[r];
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pairs_that_were_not_announced_have_no_place() {
+        let h = Hessian::new(3, &[vec![2, 0]]);
+        assert!(h.holds(&[[0, 2], [2, 0], [1, 1]]) && !h.holds(&[[0, 2], [1, 2]]));
+    }
 
     #[test]
     fn blocks_land_in_their_places() {

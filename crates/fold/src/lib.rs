@@ -1,8 +1,8 @@
 //! Folding: flat mesh and goals in, equilibrium positions out.
 //!
 //! A goal is an energy `E = ½ w Σ |G|²` whose moves `G` bring its vertices to the nearest
-//! admissible place; the folded sheet minimises the sum. Two solvers share it: [`relax`] is the
-//! paper's eq. 4 as printed, [`newton`] (the default) is what one uses.
+//! admissible place; the folded sheet minimises the sum. Three solvers share it: [`relax`] is the
+//! paper's eq. 4 as printed, [`newton`] (the default) is what one uses, [`lbfgs`] is for where memory is short.
 //!
 //! Source: Koschitz, Foschi, Maleczek, *Algorithmic Design and Fabrication of Soft Curved-Folding*.
 
@@ -10,22 +10,32 @@ pub mod address;
 pub mod analyse;
 pub mod goal;
 mod hessian;
+mod laplacian;
+pub mod lbfgs;
 mod material;
 pub mod newton;
 mod objective;
 pub mod relax;
 #[cfg(test)]
+mod rest_tests;
+#[cfg(test)]
 mod solver_tests;
+pub mod strength;
 #[cfg(test)]
 mod testing;
 
 pub use address::{AddressError, SheetPoint, boundary_vertices, locate};
 pub use analyse::{Verdict, analyse};
-pub use goal::{Anchor, ClampLength, EdgeLengths, Goal, Hinges, OnPlane, Part, Scales};
-pub use material::SheetMaterial;
+pub use goal::{
+    Anchor, Area, ClampLength, CoPlanar, EdgeLengths, Floor, Glue, Goal, Hinges, Load, OnCurve, OnMesh,
+    OnPlane, Part, Scales, SpaceCurve, SphereCollide, TargetError, TriangleMesh,
+};
+pub use lbfgs::LbfgsOptions;
+pub use material::{FREE_FACTOR, SheetMaterial};
 pub use newton::NewtonOptions;
 pub use objective::Objective;
 pub use relax::RelaxOptions;
+pub use strength::Weights;
 
 use glam::DVec3;
 use softfold_geometry::{FlatMesh, FoldedSheet};
@@ -35,6 +45,8 @@ use softfold_geometry::{FlatMesh, FoldedSheet};
 pub enum Solver {
     /// Newton's method with a softened start.
     Newton(NewtonOptions),
+    /// L-BFGS on a prefactored Laplacian.
+    Lbfgs(LbfgsOptions),
     /// The paper's eq. 4.
     Relax(RelaxOptions),
 }
@@ -100,6 +112,7 @@ pub fn fold(
     check_start(&objective, mesh, start)?;
     let (positions, solve) = match solver {
         Solver::Newton(options) => newton::minimise(&objective, start, options, watch)?,
+        Solver::Lbfgs(options) => lbfgs::minimise(&objective, start, options, watch)?,
         Solver::Relax(options) => relax::minimise(&objective, start, options, watch),
     };
     Ok(FoldedSheet { mesh: mesh.clone(), positions, solve })

@@ -52,6 +52,9 @@ const SHIFT_GROWTH: f64 = 30.0;
 const SHIFT_DECAY: f64 = 10.0;
 /// Factorisations of the true Hessian before the Gauss-Newton one is taken.
 const EXACT_TRIES: u32 = 4;
+/// Room in the matrix for contacts that are not yet, as share of the contact distance: its symbolic part, which costs
+/// as much as a few steps, is made anew only when vertices have come that much nearer.
+const CONTACT_MARGIN: f64 = 0.25;
 /// Shift beyond which the step is a gradient step: giving up is honest.
 const LARGEST_SHIFT: f64 = 1e3;
 
@@ -68,10 +71,24 @@ struct Newton<'a> {
 }
 
 /// How a stage ended.
-enum Stop {
+pub(crate) enum Stop {
+    /// The relative gradient is below its target.
     Converged,
+    /// The iterations are spent.
     Budget,
+    /// No step lowers the energy.
     NoDescent,
+}
+
+impl Stop {
+    /// For the record.
+    pub(crate) fn words(&self, relative_gradient: f64, max_iterations: u32) -> String {
+        match self {
+            Stop::Converged => format!("relative gradient below {relative_gradient:e}"),
+            Stop::Budget => format!("budget of {max_iterations} iterations spent"),
+            Stop::NoDescent => "no step lowers the energy any more".to_owned(),
+        }
+    }
 }
 
 /// Minimises the objective from `start`.
@@ -84,7 +101,7 @@ pub fn minimise(
     options: &NewtonOptions,
     watch: &mut dyn FnMut(Iteration),
 ) -> Result<(Vec<DVec3>, SolveRecord), FoldError> {
-    let hessian = objective.empty_hessian();
+    let hessian = objective.hessian_at(start, CONTACT_MARGIN);
     let symbolic = SymbolicLlt::try_new(hessian.symbolic(), Side::Lower).map_err(factorisation)?;
     let mut newton = Newton {
         objective,
@@ -134,6 +151,7 @@ impl Newton<'_> {
 
     /// One step; false if no decrease was found along it.
     fn step(&mut self, gradient: &[DVec3], scales: Scales) -> Result<bool, FoldError> {
+        self.make_room_for_contacts()?;
         if let Some(direction) = self.exact_direction(gradient, scales)
             && self.search(&direction, gradient, scales)
         {
@@ -141,6 +159,16 @@ impl Newton<'_> {
         }
         let direction = self.convex_direction(gradient, scales)?;
         Ok(self.search(&direction, gradient, scales))
+    }
+
+    /// Makes the matrix anew when vertices have met that it does not couple.
+    fn make_room_for_contacts(&mut self) -> Result<(), FoldError> {
+        if !self.hessian.holds(&self.objective.contacts(&self.x, 0.0)) {
+            self.hessian = self.objective.hessian_at(&self.x, CONTACT_MARGIN);
+            self.symbolic =
+                SymbolicLlt::try_new(self.hessian.symbolic(), Side::Lower).map_err(factorisation)?;
+        }
+        Ok(())
     }
 
     /// The true Hessian's step, with the least shift of a few that makes it definite: a sheet that can
@@ -210,23 +238,18 @@ impl Newton<'_> {
     fn finish(self, stop: &Stop, options: &NewtonOptions) -> (Vec<DVec3>, SolveRecord) {
         let scales = options.ramp.last().copied().unwrap_or(Scales::FULL);
         let relative_gradient = self.objective.gradient(&self.x, scales).relative(self.floor);
-        let why = match stop {
-            Stop::Converged => format!("relative gradient below {:e}", options.relative_gradient),
-            Stop::Budget => format!("budget of {} iterations spent", options.max_iterations),
-            Stop::NoDescent => "no step lowers the energy any more".to_owned(),
-        };
         let record = SolveRecord {
             solver: "newton".into(),
             iterations: self.iterations,
             energy: self.objective.energy(&self.x, scales),
             relative_gradient,
             converged: relative_gradient <= options.relative_gradient,
-            stop: why,
+            stop: stop.words(options.relative_gradient, options.max_iterations),
         };
         (self.x, record)
     }
 }
 
-fn factorisation(e: impl std::fmt::Debug) -> FoldError {
+pub(crate) fn factorisation(e: impl std::fmt::Debug) -> FoldError {
     FoldError::Factorisation(format!("{e:?}"))
 }

@@ -1,7 +1,7 @@
 //! The sum of all goals.
 
 use crate::goal::{Curvature, Goal, Gradient, HessianSink, Moves, Scales};
-use crate::hessian::Hessian;
+use crate::hessian::{BlockSink, Hessian};
 use glam::DVec3;
 
 /// Share of the forces at the start below which forces count as none.
@@ -72,15 +72,41 @@ impl<'a> Objective<'a> {
         GradientSum { sum, magnitude }
     }
 
-    /// A zero Hessian with the goals' pattern.
-    pub fn empty_hessian(&self) -> Hessian {
-        let groups: Vec<Vec<u32>> = self.goals.iter().flat_map(|g| g.couplings()).collect();
-        Hessian::new(self.vertices, &groups)
+    /// A zero Hessian with the goals' pattern, and room for the contacts at `x` or nearly so by `margin`.
+    pub fn hessian_at(&self, x: &[DVec3], margin: f64) -> Hessian {
+        Hessian::new(self.vertices, &self.couplings_at(x, margin))
+    }
+
+    /// The goals' couplings and the contacts at `x`.
+    pub(crate) fn couplings_at(&self, x: &[DVec3], margin: f64) -> Vec<Vec<u32>> {
+        let contacts = self.contacts(x, margin).into_iter().map(|pair| pair.to_vec());
+        self.goals.iter().flat_map(|g| g.couplings()).chain(contacts).collect()
+    }
+
+    /// Number of vertices.
+    pub(crate) fn vertices(&self) -> usize {
+        self.vertices
+    }
+
+    /// Pairs of vertices in contact at `x`, or nearly so by `margin`: see [`Goal::contacts`].
+    pub fn contacts(&self, x: &[DVec3], margin: f64) -> Vec<[u32; 2]> {
+        self.goals.iter().flat_map(|g| g.contacts(x, margin)).collect()
     }
 
     /// Fills a Hessian.
     pub fn fill_hessian(&self, x: &[DVec3], curvature: Curvature, scales: Scales, matrix: &mut Hessian) {
         matrix.clear();
+        self.add_blocks(x, curvature, scales, matrix);
+    }
+
+    /// Adds the Hessian's blocks to `matrix`.
+    pub(crate) fn add_blocks(
+        &self,
+        x: &[DVec3],
+        curvature: Curvature,
+        scales: Scales,
+        matrix: &mut dyn BlockSink,
+    ) {
         for g in self.goals {
             let scale = scales.of(g.part());
             g.add_hessian(x, curvature, &mut HessianSink { matrix, scale });
@@ -99,7 +125,7 @@ impl<'a> Objective<'a> {
 
     #[cfg(test)]
     pub(crate) fn hessian(&self, x: &[DVec3], curvature: Curvature, scales: Scales) -> Hessian {
-        let mut matrix = self.empty_hessian();
+        let mut matrix = self.hessian_at(x, 0.0);
         self.fill_hessian(x, curvature, scales, &mut matrix);
         matrix
     }

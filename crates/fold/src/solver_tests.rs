@@ -2,7 +2,7 @@
 
 use crate::goal::{Anchor, ClampLength, Goal, OnPlane};
 use crate::testing::folded_strip;
-use crate::{NewtonOptions, RelaxOptions, SheetMaterial, SheetPoint, Solver, fold, upright};
+use crate::{LbfgsOptions, NewtonOptions, RelaxOptions, SheetMaterial, SheetPoint, Solver, fold, upright};
 use glam::DVec3;
 use softfold_geometry::{EdgeClass, FlatMesh, FoldedSheet};
 
@@ -119,12 +119,26 @@ fn newton_and_eq_4_end_at_the_same_energy() {
 }
 
 #[test]
+fn newton_and_lbfgs_end_at_the_same_energy() {
+    let (mesh, goals) = held_fold();
+    for start in [upright(&mesh), shaken(&upright(&mesh), 0.4)] {
+        let newton = run(&mesh, &goals, &start, &Solver::default()).solve;
+        let lbfgs = run(&mesh, &goals, &start, &Solver::Lbfgs(LbfgsOptions::default())).solve;
+        assert!(newton.converged && lbfgs.converged, "{newton:?} {lbfgs:?}");
+        let difference = (newton.energy - lbfgs.energy).abs() / newton.energy;
+        assert!(newton.energy > 1e-3 && difference < 1e-6, "{} against {}", newton.energy, lbfgs.energy);
+        assert!(lbfgs.stop.contains("relative gradient"), "{}", lbfgs.stop);
+    }
+}
+
+#[test]
 fn a_budget_that_is_too_small_is_told() {
     let (mesh, goals) = held_fold();
     let start = upright(&mesh);
     let newton = Solver::Newton(NewtonOptions { max_iterations: 3, ..NewtonOptions::default() });
     let relax = Solver::Relax(RelaxOptions { max_iterations: 3, ..RelaxOptions::default() });
-    for solver in [newton, relax] {
+    let lbfgs = Solver::Lbfgs(LbfgsOptions { max_iterations: 3, ..LbfgsOptions::default() });
+    for solver in [newton, relax, lbfgs] {
         let solve = run(&mesh, &goals, &start, &solver).solve;
         assert!(!solve.converged && solve.iterations == 3 && solve.stop.contains("budget"), "{solve:?}");
     }
@@ -134,8 +148,10 @@ fn a_budget_that_is_too_small_is_told() {
 fn the_same_start_gives_the_same_positions() {
     let (mesh, goals) = held_fold();
     let start = upright(&mesh);
-    let twice = [(); 2].map(|()| run(&mesh, &goals, &start, &Solver::default()).positions);
-    assert_eq!(twice[0], twice[1]);
+    for solver in [Solver::default(), Solver::Lbfgs(LbfgsOptions::default())] {
+        let twice = [(); 2].map(|()| run(&mesh, &goals, &start, &solver).positions);
+        assert_eq!(twice[0], twice[1]);
+    }
 }
 
 #[test]

@@ -213,6 +213,22 @@ impl PlanarCurve {
         }
     }
 
+    /// Start (side 0) or end (side 1), exactly.
+    pub fn end(&self, side: usize) -> DVec2 {
+        match side {
+            0 => self.segments[0].from(),
+            _ => self.segments[self.segments.len() - 1].to(),
+        }
+    }
+
+    /// Unit direction in which the curve leaves its start (side 0) or, backwards, its end (side 1).
+    pub fn leaving(&self, side: usize) -> DVec2 {
+        match side {
+            0 => tangent_of(&self.segments[0], 0.0),
+            _ => -tangent_of(&self.segments[self.segments.len() - 1], 1.0),
+        }
+    }
+
     /// The same curve, run through backwards.
     pub fn reversed(&self) -> Self {
         let total = self.length_mm();

@@ -9,9 +9,9 @@ use std::collections::BTreeMap;
 pub enum Site {
     /// Anywhere inside a region.
     Interior,
-    /// On the outline or a hole.
+    /// On the outline, a hole or a slit; where they meet, on the one of the lowest number.
     Boundary {
-        /// Which closed curve.
+        /// Which curve: slits follow the outline and the holes.
         loop_id: LoopId,
         /// Arc length along it, mm.
         s_mm: f64,
@@ -39,11 +39,11 @@ pub enum EdgeClass {
     },
     /// Inside a face: its rest turn is 0.
     Facet,
-    /// Inside a junction of creases: it may turn freely.
+    /// Inside the region of a junction of creases or on its border: it may turn freely.
     Free,
-    /// On the outline or a hole.
+    /// On the outline, a hole or one lip of a slit.
     Boundary {
-        /// Which closed curve.
+        /// Which curve: slits follow the outline and the holes.
         loop_id: LoopId,
     },
 }
@@ -130,7 +130,11 @@ impl FlatMesh {
         })
     }
 
-    /// Vertices of a boundary loop in order of arc length.
+    /// Vertices of a boundary loop in order of arc length. Of vertices at one place, where slits end on the loop, those
+    /// before a slit come before those behind it.
+    ///
+    /// A slit has vertices on both lips: they come in order of arc length too, those at one place one after the other,
+    /// and free tips once. Its vertices on other loops or on slits of lower number are not among them.
     pub fn loop_vertices(&self, wanted: LoopId) -> Vec<VertexId> {
         let on_loop = |(i, site): (usize, &Site)| match *site {
             Site::Boundary { loop_id, s_mm } if loop_id == wanted => Some((s_mm, VertexId::new(i))),
@@ -163,7 +167,22 @@ impl FlatMesh {
         {
             return fault(format!("triangle {t} is not counter-clockwise"));
         }
-        self.edges.iter().try_for_each(|e| self.check_edge(e))
+        self.edges.iter().try_for_each(|e| self.check_edge(e))?;
+        self.check_boundary()
+    }
+
+    /// The boundary passes each of its vertices once.
+    fn check_boundary(&self) -> Result<(), CheckError> {
+        let mut sides = vec![0_usize; self.vertices.len()];
+        for e in self.edges.iter().filter(|e| e.triangles[1].is_none()) {
+            e.vertices.iter().for_each(|v| sides[v.index()] += 1);
+        }
+        match sides.iter().position(|n| !matches!(n, 0 | 2)) {
+            Some(i) => {
+                Err(CheckError::new("FlatMesh", format!("{} boundary edges meet in vertex {i}", sides[i])))
+            }
+            None => Ok(()),
+        }
     }
 
     fn check_edge(&self, edge: &Edge) -> Result<(), CheckError> {
@@ -229,6 +248,20 @@ mod tests {
         let mut m = two_triangles();
         m.edges[0].class = EdgeClass::Free;
         assert!(m.check().unwrap_err().fault.contains("edge 0-1"));
+    }
+
+    #[test]
+    fn check_finds_a_vertex_that_the_boundary_passes_twice() {
+        let mut m = two_triangles();
+        let corners = [(0., 0.), (-2., 0.), (-2., -2.)].map(DVec2::from);
+        m.vertices.extend_from_slice(&corners[1..]);
+        m.sites.extend([Site::Interior; 2]);
+        m.triangles.push([0, 4, 5].map(VertexId));
+        let m = FlatMesh::new(m.vertices, m.sites, m.triangles, |_, boundary| match boundary {
+            true => EdgeClass::Boundary { loop_id: LoopId(0) },
+            false => EdgeClass::Facet,
+        });
+        assert!(m.check().unwrap_err().fault.contains("4 boundary edges meet in vertex 0"));
     }
 
     #[test]

@@ -31,11 +31,14 @@ pub fn segment_distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     p.distance(a + t * d)
 }
 
+/// Sine of the angle below which two segments are parallel: rounding of coordinates decides where they would cross.
+const PARALLEL: f64 = 1e-12;
+
 /// Parameters (t on `a0`–`a1`, s on `b0`–`b1`), both in 0..=1, where two segments cross; none if parallel.
 pub fn segment_crossing(a0: DVec2, a1: DVec2, b0: DVec2, b1: DVec2) -> Option<(f64, f64)> {
     let (da, db) = (a1 - a0, b1 - b0);
     let den = da.perp_dot(db);
-    if den == 0.0 {
+    if den.abs() <= PARALLEL * da.length() * db.length() {
         return None;
     }
     let t = (b0 - a0).perp_dot(db) / den;
@@ -73,6 +76,15 @@ mod tests {
         assert!(contains(&square(), DVec2::new(1e6 + 1.0, 1.0)));
         assert!(!contains(&square(), DVec2::new(1e6 - 1.0, 1.0)));
         assert!(!contains(&square(), DVec2::new(1e6 + 1.0, 3.0)));
+    }
+
+    #[test]
+    fn lines_in_one_direction_do_not_cross_where_rounding_would_have_them() {
+        let at = |x, y| DVec2::new(x, y);
+        let [a0, joint] =
+            [at(131.14383730850773, 158.08547334117318), at(132.29166666666666, 158.74819237268767)];
+        let b0 = at(136.87206645309584, 161.39276500783987); // beyond the joint on the same line, to 1e-14
+        assert_eq!(segment_crossing(a0, joint, b0, joint), None);
     }
 
     #[test]

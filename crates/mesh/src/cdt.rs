@@ -42,6 +42,16 @@ pub enum Constraint {
         /// Which closed curve.
         loop_id: LoopId,
     },
+    /// A piece of a slit, with the sheet on both sides.
+    Slit {
+        /// Number of the slit.
+        slit: u32,
+    },
+    /// A piece of the border of a junction's region, counter-clockwise around it.
+    Junction {
+        /// Number of the junction.
+        junction: u32,
+    },
 }
 
 /// Points and constrained edges between them.

@@ -1,47 +1,72 @@
-//! Points and constraints on the curves: outline, holes and fold lines.
+//! Points and constraints on the curves: outline, holes, slits, fold lines and the sides of junctions.
 
-use crate::MeshOptions;
+use crate::boundary::Boundaries;
 use crate::cdt::Constraint;
-use crate::size::{SizeField, band_edge_mm};
+use crate::gaps::Piece;
+use crate::rows::{Sample, rows};
+use crate::size::SizeField;
+use crate::stretch::{Stretch, stretches};
+use crate::{MeshOptions, places};
 use glam::DVec2;
-use softfold_geometry::{
-    Band, FoldLine, LoopId, OutlinePoint, PlanarCurve, Site, SoftPattern, VertexId, polygon,
-};
+use softfold_geometry::{LineEnd, LoopId, OutlinePoint, Site, SoftPattern, VertexId, polygon};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Collects points with their sites and the constraints between them.
 pub(crate) struct GraphBuilder<'a> {
     soft: &'a SoftPattern,
     options: &'a MeshOptions,
     sizes: &'a SizeField,
+    boundaries: &'a Boundaries<'a>,
     points: Vec<DVec2>,
     sites: Vec<Site>,
     constraints: Vec<([VertexId; 2], Constraint)>,
-    /// Per loop: arc length and vertex of each point on it.
-    on_loops: Vec<Vec<(f64, VertexId)>>,
+    /// Edges that have a constraint, lower vertex first.
+    constrained: BTreeSet<[VertexId; 2]>,
+    /// Per boundary curve: arc length and vertex of each point on it, ascending.
+    on_curves: Vec<Vec<(f64, VertexId)>>,
+    /// Vertices of the points in which lines meet.
+    at_points: BTreeMap<[u64; 2], VertexId>,
+    /// Vertices of the meetings of boundary curves.
+    at_meetings: Vec<Option<VertexId>>,
 }
 
 /// Points, constraints between them, and where they sit.
 pub(crate) type Graph = (Vec<DVec2>, Vec<([VertexId; 2], Constraint)>, Vec<Site>);
 
-/// Corners of the outline sharper than this keep a vertex, rad.
-const CORNER_RAD: f64 = 0.05;
-/// Pieces of a fold line: fewer would close a ring on itself.
-const LEAST_PIECES: f64 = 3.0;
-/// Arc lengths closer than this share of the local size are one point.
-const SAME_PLACE: f64 = 1e-3;
-
 impl<'a> GraphBuilder<'a> {
-    pub(crate) fn new(soft: &'a SoftPattern, options: &'a MeshOptions, sizes: &'a SizeField) -> Self {
-        let on_loops = vec![Vec::new(); soft.loops.len()];
-        Self { soft, options, sizes, points: vec![], sites: vec![], constraints: vec![], on_loops }
+    pub(crate) fn new(
+        soft: &'a SoftPattern,
+        options: &'a MeshOptions,
+        boundaries: &'a Boundaries<'a>,
+        sizes: &'a SizeField,
+    ) -> Self {
+        Self {
+            soft,
+            options,
+            sizes,
+            boundaries,
+            points: vec![],
+            sites: vec![],
+            constraints: vec![],
+            constrained: BTreeSet::new(),
+            on_curves: vec![Vec::new(); boundaries.curves.len()],
+            at_points: BTreeMap::new(),
+            at_meetings: vec![None; boundaries.meetings.len()],
+        }
     }
 
     pub(crate) fn build(mut self) -> Graph {
-        for i in 0..self.soft.loops.len() {
-            self.boundary(LoopId::new(i));
+        (0..self.boundaries.curves.len()).for_each(|curve| self.boundary(curve));
+        for (meeting, vertex) in self.boundaries.meetings.iter().zip(&self.at_meetings) {
+            if let Some(v) = vertex {
+                self.at_points.insert(key(meeting.point), *v);
+            }
         }
         let soft = self.soft;
-        soft.bands.iter().for_each(|b| self.band(b));
+        for stretch in soft.bands.iter().flat_map(stretches) {
+            self.stretch(&stretch);
+        }
+        (0..soft.junctions.len()).for_each(|j| self.junction(j));
         (self.points, self.constraints, self.sites)
     }
 
@@ -51,155 +76,223 @@ impl<'a> GraphBuilder<'a> {
         VertexId::new(self.points.len() - 1)
     }
 
-    fn boundary(&mut self, loop_id: LoopId) {
-        let curve = &self.soft.loops[loop_id.index()];
-        let places = places_on_loop(curve, &self.required_places(loop_id), self.sizes);
-        let vertices: Vec<VertexId> = places
-            .iter()
-            .map(|&s_mm| self.vertex(curve.point(s_mm), Site::Boundary { loop_id, s_mm }))
-            .collect();
-        for (i, &v) in vertices.iter().enumerate() {
-            self.constraints
-                .push(([v, vertices[(i + 1) % vertices.len()]], Constraint::Boundary { loop_id }));
+    /// The vertex of a point that lines may share, equal to the last bit.
+    fn shared_vertex(&mut self, point: DVec2, site: Site) -> VertexId {
+        match self.at_points.get(&key(point)) {
+            Some(&known) => known,
+            None => {
+                let new = self.vertex(point, site);
+                self.at_points.insert(key(point), new);
+                new
+            }
         }
-        self.on_loops[loop_id.index()] = places.into_iter().zip(vertices).collect();
     }
 
-    /// Arc lengths that must have a vertex: ends of fold lines, and corners.
-    fn required_places(&self, loop_id: LoopId) -> Vec<f64> {
-        let curve = &self.soft.loops[loop_id.index()];
-        let ends = self.soft.bands.iter().flat_map(|b| &b.fold_lines).flat_map(|l| l.ends).flatten();
-        let mut places: Vec<f64> = ends.filter(|e| e.loop_id == loop_id).map(|e| e.s_mm).collect();
-        places.extend(corners(curve));
-        places.sort_by(f64::total_cmp);
-        let same = SAME_PLACE * self.options.target_edge_mm;
-        places.dedup_by(|a, b| (*a - *b).abs() < same);
-        // The curve closes: a place just before its end is its start.
-        let wraps = |p: &[f64]| p.len() > 1 && p[0] + curve.length_mm() - p[p.len() - 1] < same;
-        if wraps(&places) {
-            places.pop();
+    /// Where two constraints would make one edge, the first one stays.
+    fn constrain(&mut self, edge: [VertexId; 2], constraint: Constraint) {
+        if self.constrained.insert(sorted(edge)) {
+            self.constraints.push((edge, constraint));
+        }
+    }
+
+    fn boundary(&mut self, curve: usize) {
+        let loop_id = LoopId::new(curve);
+        let closed = self.boundaries.curves[curve].is_closed();
+        let places = self.places_on(curve);
+        let mut vertices = Vec::with_capacity(places.len());
+        for &s_mm in &places {
+            let known = if closed { None } else { self.met(curve, s_mm) };
+            let point = self.boundaries.curves[curve].point(s_mm);
+            vertices.push(known.unwrap_or_else(|| self.vertex(point, Site::Boundary { loop_id, s_mm })));
+        }
+        let constraint = match curve.checked_sub(self.soft.loops.len()) {
+            None => Constraint::Boundary { loop_id },
+            Some(slit) => Constraint::Slit { slit: slit as u32 },
+        };
+        let edges = if closed { vertices.len() } else { vertices.len() - 1 };
+        for i in 0..edges {
+            self.constrain([vertices[i], vertices[(i + 1) % vertices.len()]], constraint);
+        }
+        self.on_curves[curve] = places.into_iter().zip(vertices).collect();
+        self.meet(curve);
+    }
+
+    /// Arc lengths of the points on a boundary curve: its anchors, and enough between them.
+    fn places_on(&self, curve: usize) -> Vec<f64> {
+        let (line, anchors) = (self.boundaries.curves[curve], &self.boundaries.anchors[curve]);
+        let total = line.length_mm();
+        let closed = line.is_closed();
+        let anchors = if anchors.is_empty() { &vec![0.0] } else { anchors };
+        let mut places = Vec::new();
+        for (i, &from) in anchors.iter().enumerate() {
+            let to = match anchors.get(i + 1) {
+                Some(&next) => next,
+                None if closed => anchors[0] + total,
+                None => from,
+            };
+            places.push(from);
+            if to > from {
+                let least = self.boundaries.least_pieces(curve);
+                places.extend(places::graded(|s| line.point(s), from, to, least, self.sizes));
+            }
+        }
+        if closed {
+            places.iter_mut().for_each(|s| *s = s.rem_euclid(total));
+            places.sort_by(f64::total_cmp);
         }
         places
     }
 
-    /// All lines of a band get the same number of points: rows across the strips.
-    fn band(&mut self, band: &Band) {
-        let edge_mm = band_edge_mm(band, self.options);
-        let longest = band.fold_lines.iter().map(|l| polygon::length_mm(&l.points)).fold(0.0, f64::max);
-        let pieces = (longest / edge_mm).round().max(LEAST_PIECES) as usize;
-        for (line, fold_line) in band.fold_lines.iter().enumerate() {
-            self.fold_line(band, line as u32, fold_line, pieces);
+    /// The vertex that a curve made before has at a place of this one.
+    fn met(&self, curve: usize, s_mm: f64) -> Option<VertexId> {
+        let here = |&&(s, _): &&(f64, usize)| (s - s_mm).abs() < self.boundaries.same_mm;
+        self.boundaries.met[curve].iter().filter(here).find_map(|&(_, meeting)| self.at_meetings[meeting])
+    }
+
+    /// Notes the vertices that a curve has at meetings.
+    fn meet(&mut self, curve: usize) {
+        for &(s_mm, meeting) in &self.boundaries.met[curve] {
+            if self.at_meetings[meeting].is_none() {
+                let place = OutlinePoint { loop_id: LoopId::new(curve), s_mm };
+                self.at_meetings[meeting] = self.boundary_vertex(place);
+            }
         }
     }
 
-    fn fold_line(&mut self, band: &Band, line: u32, fold_line: &FoldLine, pieces: usize) {
-        let crease = band.crease;
-        let samples = resampled(fold_line, pieces);
-        let closed = fold_line.points.first() == fold_line.points.last();
-        let mut vertices: Vec<VertexId> = Vec::with_capacity(pieces + 1);
-        for (i, sample) in samples.iter().enumerate() {
+    /// All lines of a stretch get the same number of points: rows across the strips.
+    fn stretch(&mut self, stretch: &Stretch<'_>) {
+        let mut lines = rows(stretch, self.options, self.sizes, 1);
+        if stretch.is_sharp() && lines.iter().any(|samples| self.is_taken(stretch, samples)) {
+            lines = rows(stretch, self.options, self.sizes, 2);
+        }
+        for (i, samples) in lines.iter().enumerate() {
+            self.fold_line(stretch, i, samples);
+        }
+    }
+
+    /// Whether a line of one piece would be an edge that another has.
+    fn is_taken(&self, stretch: &Stretch<'_>, samples: &[Sample]) -> bool {
+        let ends = stretch.lines[0].ends.iter().zip([samples.first(), samples.last()]);
+        let mut known = ends.filter_map(|(end, sample)| self.known_end(*end, sample?.0));
+        match (known.next(), known.next()) {
+            (Some(a), Some(b)) => samples.len() == 2 && self.constrained.contains(&sorted([a, b])),
+            _ => false,
+        }
+    }
+
+    fn known_end(&self, end: LineEnd, point: DVec2) -> Option<VertexId> {
+        match end {
+            LineEnd::Boundary(place) => self.boundary_vertex(place),
+            _ => self.at_points.get(&key(point)).copied(),
+        }
+    }
+
+    fn fold_line(&mut self, stretch: &Stretch<'_>, number: usize, samples: &[Sample]) {
+        let (crease, line) = (stretch.band.crease, stretch.first + number as u32);
+        let (site, ends) = (Site::FoldLine { crease, line }, stretch.lines[number].ends);
+        let last = samples.len() - 1;
+        let closed = samples[0].0 == samples[last].0;
+        let mut vertices: Vec<VertexId> = Vec::with_capacity(samples.len());
+        for (i, &(point, _)) in samples.iter().enumerate() {
             let end = match i {
-                0 => fold_line.ends[0],
-                i if i == pieces => fold_line.ends[1],
+                0 => Some(ends[0]),
+                i if i == last => Some(ends[1]),
                 _ => None,
             };
-            let first = vertices.first().copied().filter(|_| closed && i == pieces);
-            let known = first.or_else(|| end.and_then(|e| self.loop_vertex(e)));
-            vertices.push(known.unwrap_or_else(|| self.vertex(sample.0, Site::FoldLine { crease, line })));
+            let vertex = match end {
+                Some(LineEnd::Boundary(place)) => self.boundary_vertex(place),
+                Some(_) if closed && i == last => vertices.first().copied(),
+                Some(_) => Some(self.shared_vertex(point, site)),
+                None => None,
+            };
+            vertices.push(vertex.unwrap_or_else(|| self.vertex(point, site)));
         }
         for (i, w) in vertices.windows(2).enumerate() {
             let turn_rad = 0.5 * (samples[i].1 + samples[i + 1].1);
-            self.constraints.push(([w[0], w[1]], Constraint::Fold { crease, line, turn_rad }));
+            self.constrain([w[0], w[1]], Constraint::Fold { crease, line, turn_rad });
         }
     }
 
-    fn loop_vertex(&self, end: OutlinePoint) -> Option<VertexId> {
-        let total = self.soft.loops[end.loop_id.index()].length_mm();
+    /// The vertex of a boundary curve nearest to a place.
+    fn boundary_vertex(&self, end: OutlinePoint) -> Option<VertexId> {
+        let curve = end.loop_id.index();
+        let places = self.on_curves.get(curve).filter(|p| !p.is_empty())?;
+        let total = self.boundaries.curves[curve].length_mm();
+        let closed = self.boundaries.curves[curve].is_closed();
         let apart = |s: f64| {
-            let d = (s - end.s_mm).rem_euclid(total);
-            d.min(total - d)
+            let d = (s - end.s_mm).abs();
+            if closed { d.min(total - d).abs() } else { d }
         };
-        let places = &self.on_loops[end.loop_id.index()];
-        places.iter().min_by(|a, b| apart(a.0).total_cmp(&apart(b.0))).map(|p| p.1)
+        let after = places.partition_point(|p| p.0 < end.s_mm);
+        let near = [after.checked_sub(1).unwrap_or(places.len() - 1), after % places.len()];
+        near.into_iter()
+            .min_by(|&a, &b| apart(places[a].0).total_cmp(&apart(places[b].0)))
+            .map(|i| places[i].1)
+    }
+
+    /// The sides of a junction's region, but for those that lie on the boundary.
+    fn junction(&mut self, number: usize) {
+        let constraint = Constraint::Junction { junction: number as u32 };
+        for (a, b) in polygon::edges(&self.soft.junctions[number].polygon) {
+            let ends = [a, b].map(|p| self.shared_vertex(p, Site::Interior));
+            if a == b || self.constrained.contains(&sorted(ends)) || self.on_boundary(ends) {
+                continue;
+            }
+            let length = a.distance(b);
+            let along = |s: f64| a.lerp(b, s / length);
+            let inner = places::graded(along, 0.0, length, 1, self.sizes);
+            let mut from = ends[0];
+            for s in inner {
+                let to = self.vertex(along(s), Site::Interior);
+                self.constrain([from, to], constraint);
+                from = to;
+            }
+            self.constrain([from, ends[1]], constraint);
+        }
+    }
+
+    /// Whether a straight line between two vertices runs along the boundary.
+    fn on_boundary(&self, ends: [VertexId; 2]) -> bool {
+        let [Site::Boundary { loop_id, s_mm: a }, Site::Boundary { loop_id: other, s_mm: b }] =
+            ends.map(|v| self.sites[v.index()])
+        else {
+            return false;
+        };
+        let curve = self.boundaries.curves[loop_id.index()];
+        let [p, q] = ends.map(|v| self.points[v.index()]);
+        let way = (b - a).abs();
+        let total = curve.length_mm();
+        let middle = if 2.0 * way <= total { 0.5 * (a + b) } else { 0.5 * (a + b + total) };
+        loop_id == other
+            && polygon::segment_distance(curve.point(middle), p, q) <= self.soft.tolerance.join_mm
     }
 }
 
-/// Vertices that a band asks for: rows along it times its lines, and as many again where the mesh grows coarser.
-pub(crate) fn band_vertices(band: &Band, options: &MeshOptions) -> f64 {
-    let longest = band.fold_lines.iter().map(|l| polygon::length_mm(&l.points)).fold(0.0, f64::max);
-    let rows = longest / band_edge_mm(band, options);
-    rows * (2 * band.fold_lines.len()) as f64
+/// The pieces of all curves that keep their distance by the sizing field: boundaries, outer fold lines, and sides
+/// of junctions.
+pub(crate) fn pieces(soft: &SoftPattern, boundaries: &Boundaries<'_>) -> Vec<Piece> {
+    let mut pieces = boundaries.pieces();
+    let mut group = pieces.len();
+    for stretch in soft.bands.iter().flat_map(stretches) {
+        for line in stretch.outer_lines() {
+            pieces.push(Piece { points: line.points.clone(), group, least_edges: 1.0 });
+        }
+        group += 1;
+    }
+    for (a, b) in soft.junctions.iter().flat_map(|j| polygon::edges(&j.polygon)).filter(|(a, b)| a != b) {
+        pieces.push(Piece { points: vec![a, b], group, least_edges: 1.0 });
+        group += 1;
+    }
+    pieces
 }
 
-/// Points and turns at equal arc lengths of the fold line's polyline.
-fn resampled(line: &FoldLine, pieces: usize) -> Vec<(DVec2, f64)> {
-    let mut along = vec![0.0];
-    for w in line.points.windows(2) {
-        along.push(along[along.len() - 1] + w[0].distance(w[1]));
-    }
-    let total = along[along.len() - 1];
-    let sample = |k: usize| {
-        let s = total * k as f64 / pieces as f64;
-        let i = along.partition_point(|&a| a <= s).clamp(1, along.len() - 1);
-        let t = ((s - along[i - 1]) / (along[i] - along[i - 1])).clamp(0.0, 1.0);
-        let turn = line.turns_rad[i - 1] * (1.0 - t) + line.turns_rad[i] * t;
-        (line.points[i - 1].lerp(line.points[i], t), turn)
-    };
-    (0..=pieces).map(sample).collect()
+fn sorted([a, b]: [VertexId; 2]) -> [VertexId; 2] {
+    [a.min(b), a.max(b)]
 }
 
-fn corners(curve: &PlanarCurve) -> Vec<f64> {
-    let joints = curve.joints_mm();
-    let segments = curve.segments();
-    let count = segments.len();
-    let turn_at = |i: usize| {
-        let step = 1e-6 * curve.length_mm();
-        let before = curve.tangent(joints[i] - step);
-        before.angle_to(curve.tangent(joints[i] + step)).abs()
-    };
-    (0..count).filter(|&i| turn_at(i) > CORNER_RAD).map(|i| joints[i]).collect()
-}
-
-/// Required places and enough between them to follow the sizing field.
-fn places_on_loop(curve: &PlanarCurve, required: &[f64], sizes: &SizeField) -> Vec<f64> {
-    let total = curve.length_mm();
-    let anchors = if required.is_empty() { vec![0.0] } else { required.to_vec() };
-    let mut places = Vec::new();
-    for (i, &from) in anchors.iter().enumerate() {
-        let to = if i + 1 < anchors.len() { anchors[i + 1] } else { anchors[0] + total };
-        places.push(from);
-        places.extend(graded_places(curve, from, to, sizes));
-    }
-    for s in &mut places {
-        *s = s.rem_euclid(total);
-    }
-    places.sort_by(f64::total_cmp);
-    places
-}
-
-/// Steps of the numerical integral of 1/size over one gap.
-const INTEGRAL_STEPS: usize = 256;
-/// A closed curve without corners needs three points or more.
-const LEAST_PIECES_OF_A_LOOP: usize = 8;
-
-/// Places strictly between `from` and `to` at equal shares of ∫ ds/size.
-fn graded_places(curve: &PlanarCurve, from: f64, to: f64, sizes: &SizeField) -> Vec<f64> {
-    let step = (to - from) / INTEGRAL_STEPS as f64;
-    let mut integral = vec![0.0];
-    for k in 0..INTEGRAL_STEPS {
-        let s = from + (k as f64 + 0.5) * step;
-        integral.push(integral[k] + step / sizes.at(curve.point(s)));
-    }
-    let whole = integral[INTEGRAL_STEPS];
-    let least = if to - from >= curve.length_mm() { LEAST_PIECES_OF_A_LOOP } else { 1 };
-    let pieces = (whole.round() as usize).max(least);
-    let place = |k: usize| {
-        let wanted = whole * k as f64 / pieces as f64;
-        let i = integral.partition_point(|&v| v <= wanted).clamp(1, INTEGRAL_STEPS);
-        let t = (wanted - integral[i - 1]) / (integral[i] - integral[i - 1]);
-        from + (i as f64 - 1.0 + t) * step
-    };
-    (1..pieces).map(place).collect()
+/// A point to the last bit; both zeros are one.
+fn key(p: DVec2) -> [u64; 2] {
+    (p + DVec2::ZERO).to_array().map(f64::to_bits)
 }
 
 /// The boundary polygons of a graph, by loop.

@@ -14,13 +14,20 @@ const SPACING: f64 = 0.75;
 const TRIES: u32 = 16;
 
 /// Adds points inside the polygons, none nearer to another than the local spacing: Bridson, *Fast Poisson disk
-/// sampling in arbitrary dimensions* (2007), with a spacing that varies and the given points as seeds.
-pub(crate) fn scatter(points: &mut Vec<DVec2>, polygons: &[Vec<DVec2>], sizes: &SizeField, seed: u64) {
+/// sampling in arbitrary dimensions* (2007), with a spacing that varies and the given points as seeds. Stops beyond
+/// `most` points.
+pub(crate) fn scatter(
+    points: &mut Vec<DVec2>,
+    polygons: &[Vec<DVec2>],
+    sizes: &SizeField,
+    seed: u64,
+    most: usize,
+) {
     let inside = Inside::new(polygons);
     let mut tree = RTree::bulk_load(points.iter().map(|p| [p.x, p.y]).collect());
     let mut rng = SplitMix64(seed);
     let mut active = points.clone();
-    while !active.is_empty() {
+    while !active.is_empty() && points.len() <= most {
         let chosen = (rng.unit() * active.len() as f64) as usize;
         let around = active[chosen];
         let reach = SPACING * sizes.at(around);

@@ -4,25 +4,34 @@
 //! relaxation with crease and outline points held. Bands are meshed in rows along their strips, so no
 //! triangle crosses a fold line; edges know their fold line from the constraint they came from.
 
+mod boundary;
 mod cdt;
+mod classes;
 mod crosscheck;
+mod gaps;
 mod graph;
 mod inside;
 mod interior;
+mod mend;
+mod places;
 mod quality;
 mod relax;
 mod rings;
 mod rng;
+mod rows;
 mod size;
+mod split;
+mod stretch;
 
 pub use cdt::{Backend, Constraint, PlanarGraph, Triangulated, triangulate};
 pub use crosscheck::{Crosscheck, crosscheck};
 pub use quality::{Quality, quality};
 
+use boundary::Boundaries;
 use glam::DVec2;
 use graph::GraphBuilder;
-use softfold_geometry::{CheckError, EdgeClass, FlatMesh, LoopId, SoftPattern, VertexId};
-use std::collections::BTreeMap;
+use softfold_geometry::{CheckError, FlatMesh, Site, SoftPattern};
+use stretch::stretches;
 
 /// Options of the mesher.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,9 +66,10 @@ impl Default for MeshOptions {
 /// A mesh with the planar graph it was made from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Meshed {
-    /// The classified mesh.
+    /// The classified mesh, open along slits. Its first vertices are the points of the graph, further ones the
+    /// other lips of slits.
     pub mesh: FlatMesh,
-    /// Points and constraints, for the cross-check.
+    /// Points and constraints, for the cross-check; slits are not open yet.
     pub graph: PlanarGraph,
 }
 
@@ -115,6 +125,8 @@ fn describe(constraint: &Constraint) -> String {
         Constraint::Fold { crease, line, .. } => format!("fold line {line} of crease {crease}"),
         Constraint::Boundary { loop_id } if loop_id.0 == 0 => "the outline".to_owned(),
         Constraint::Boundary { loop_id } => format!("hole {loop_id}"),
+        Constraint::Slit { slit } => format!("slit {slit}"),
+        Constraint::Junction { junction } => format!("the region of junction {junction}"),
     }
 }
 
@@ -125,43 +137,47 @@ const VERTEX_DENSITY: f64 = 1.1547;
 
 /// Meshes a soft pattern.
 ///
+/// Both lips of a slit are boundary edges, of the loop that follows those of the pattern in order of slits; its
+/// vertices are doubled but for free tips. Edges inside the region of a junction and on its border are free.
+///
 /// # Errors
 /// [`MeshError`]: options out of range, constraints that cross, too many vertices.
 pub fn mesh(soft: &SoftPattern, options: &MeshOptions) -> Result<Meshed, MeshError> {
     check_options(soft, options)?;
-    let sizes = size::SizeField::new(soft, options);
-    let (mut points, graph_constraints, mut sites) = GraphBuilder::new(soft, options, &sizes).build();
+    let boundaries = Boundaries::new(soft, options, shortest_row_mm(soft, options));
+    let sizes = size::SizeField::new(soft, options, &graph::pieces(soft, &boundaries));
+    let (mut points, constraints, mut sites) = GraphBuilder::new(soft, options, &boundaries, &sizes).build();
+    if let Some(i) = points.iter().position(|p| !p.is_finite()) {
+        return Err(CheckError::new("SoftPattern", format!("point {i} of its curves is not finite")).into());
+    }
     let held = points.len();
-    let polygons = graph::boundary_polygons(&points, &graph_constraints, soft.loops.len());
-    interior::scatter(&mut points, &polygons, &sizes, options.seed);
-    sites.resize(points.len(), softfold_geometry::Site::Interior);
-    let mut graph = PlanarGraph { points, constraints: graph_constraints };
+    let polygons = graph::boundary_polygons(&points, &constraints, soft.loops.len());
+    interior::scatter(&mut points, &polygons, &sizes, options.seed, MOST_VERTICES as usize);
+    check_vertices(points.len() as f64, options)?;
+    sites.resize(points.len(), Site::Interior);
+    let mut graph = PlanarGraph { points, constraints };
     let mut triangulated = triangulate(&graph, options.backend)?;
+    let weight = if sizes.is_steep() { relax::Weight::Same } else { relax::Weight::Area };
     for _ in 0..options.relaxation_rounds {
-        relax::round(&mut graph.points, held, &triangulated.triangles);
+        relax::round(&mut graph.points, held, &triangulated.triangles, weight);
         triangulated = triangulate(&graph, options.backend)?;
     }
-    let mesh = classified(&graph, sites, triangulated.triangles);
+    for _ in 0..mend::ROUNDS {
+        if !mend::round(&mut graph.points, held, &triangulated.triangles) {
+            break;
+        }
+        triangulated = triangulate(&graph, options.backend)?;
+    }
+    let opened = split::open(&graph, sites, triangulated.triangles);
+    let mesh = classes::classified(&graph, opened, soft.loops.len());
     mesh.check()?;
     Ok(Meshed { mesh, graph })
 }
 
-fn classified(
-    graph: &PlanarGraph,
-    sites: Vec<softfold_geometry::Site>,
-    triangles: Vec<[VertexId; 3]>,
-) -> FlatMesh {
-    let known: BTreeMap<[VertexId; 2], Constraint> =
-        graph.constraints.iter().map(|(e, c)| ([e[0].min(e[1]), e[0].max(e[1])], *c)).collect();
-    FlatMesh::new(graph.points.clone(), sites, triangles, |edge, boundary| match known.get(&edge) {
-        Some(Constraint::Fold { crease, line, turn_rad }) if !boundary => {
-            EdgeClass::Fold { crease: *crease, line: *line, turn_rad: *turn_rad }
-        }
-        Some(Constraint::Boundary { loop_id }) if boundary => EdgeClass::Boundary { loop_id: *loop_id },
-        // A boundary that no constraint made, or the reverse, is left for check() to find.
-        _ if boundary => EdgeClass::Boundary { loop_id: LoopId(u32::MAX) },
-        _ => EdgeClass::Facet,
-    })
+/// Length of the shortest rows at their widest, mm; the target's without bands.
+fn shortest_row_mm(soft: &SoftPattern, options: &MeshOptions) -> f64 {
+    let stretches = soft.bands.iter().flat_map(stretches);
+    stretches.map(|s| s.widest_edge_mm(options)).fold(options.target_edge_mm, f64::min)
 }
 
 fn check_options(soft: &SoftPattern, options: &MeshOptions) -> Result<(), MeshError> {
@@ -172,11 +188,16 @@ fn check_options(soft: &SoftPattern, options: &MeshOptions) -> Result<(), MeshEr
     positive("target_edge_mm", options.target_edge_mm)?;
     positive("band_aspect", options.band_aspect)?;
     positive("grading", options.grading)?;
-    let on_bands: f64 = soft.bands.iter().map(|b| graph::band_vertices(b, options)).sum();
-    let vertices = VERTEX_DENSITY * soft.area_mm2() / options.target_edge_mm.powi(2) + on_bands;
-    if vertices > f64::from(MOST_VERTICES) {
-        let target_edge_mm = options.target_edge_mm;
-        return Err(MeshError::TooMany { target_edge_mm, vertices, limit: MOST_VERTICES });
+    let rows: f64 = soft.bands.iter().flat_map(stretches).map(|s| s.vertices(options)).sum();
+    let lines =
+        soft.loops.iter().chain(&soft.slits).map(|c| c.length_mm() / options.target_edge_mm).sum::<f64>();
+    check_vertices(VERTEX_DENSITY * soft.area_mm2() / options.target_edge_mm.powi(2) + rows + lines, options)
+}
+
+fn check_vertices(vertices: f64, options: &MeshOptions) -> Result<(), MeshError> {
+    let limit = MOST_VERTICES;
+    match vertices > f64::from(limit) {
+        true => Err(MeshError::TooMany { target_edge_mm: options.target_edge_mm, vertices, limit }),
+        false => Ok(()),
     }
-    Ok(())
 }

@@ -1,58 +1,158 @@
-//! The sizing field: small triangles at bands, growing away from them.
+//! The sizing field: small triangles at bands and where lines come close, growing away from them.
 
-use crate::MeshOptions;
+use crate::rows::rows;
+use crate::stretch::{Stretch, stretches};
+use crate::{MeshOptions, gaps};
 use glam::DVec2;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
-use softfold_geometry::{Band, SoftPattern};
+use softfold_geometry::{LineEnd, SoftPattern};
 
-/// Wished edge length over the sheet.
+/// A place with the edge length wished for there, mm.
+pub(crate) type Source = GeomWithData<[f64; 2], f64>;
+
+/// Wished edge length over the sheet: the least over all sources of their length and what it has grown by until here.
 pub(crate) struct SizeField {
     target_mm: f64,
     grading: f64,
-    /// Points of the outer fold lines with the edge length of their band.
-    sources: RTree<GeomWithData<[f64; 2], f64>>,
+    /// Sources of like length together, short ones first.
+    classes: Vec<Class>,
 }
 
-/// Shortest edges along a band, share of the target: narrower strips get longer triangles, or a hair-thin band would ask
-/// for millions of them.
-const SHORTEST: f64 = 0.25;
-
-/// Edge length along a band: the strip's width times the aspect, between a quarter of the target and the target.
-pub(crate) fn band_edge_mm(band: &Band, options: &MeshOptions) -> f64 {
-    match band.fold_lines.len() {
-        0 | 1 => options.target_edge_mm,
-        _ => {
-            let shortest = SHORTEST * options.target_edge_mm;
-            (options.band_aspect * band.strip_width_mm).clamp(shortest, options.target_edge_mm)
-        }
-    }
+struct Class {
+    least_mm: f64,
+    most_mm: f64,
+    sources: RTree<Source>,
 }
+
+/// Lengths of one class differ by less than this factor: the wider, the farther a look-up must search past the
+/// nearest source.
+const CLASS_RATIO: f64 = 1.25;
+
+/// Shortest over longest length below which a field is steep.
+const STEEP: f64 = 0.25;
 
 impl SizeField {
-    pub(crate) fn new(soft: &SoftPattern, options: &MeshOptions) -> Self {
-        let mut sources = Vec::new();
-        for band in &soft.bands {
-            let edge_mm = band_edge_mm(band, options);
-            for line in band.fold_lines.first().into_iter().chain(band.fold_lines.last()) {
-                sources.extend(line.points.iter().map(|p| GeomWithData::new([p.x, p.y], edge_mm)));
-            }
+    pub(crate) fn new(soft: &SoftPattern, options: &MeshOptions, pieces: &[gaps::Piece]) -> Self {
+        let mut sources = gaps::sources(pieces, options.target_edge_mm);
+        for stretch in soft.bands.iter().flat_map(stretches).filter(|s| !s.is_sharp()) {
+            band_sources(&stretch, options, &mut sources);
         }
-        Self {
-            target_mm: options.target_edge_mm,
-            grading: options.grading,
-            sources: RTree::bulk_load(sources),
+        let sizes = Self::from_sources(sources.clone(), options);
+        let ends = row_ends(soft, options, &sizes);
+        if ends.is_empty() {
+            return sizes;
         }
+        sources.extend(ends);
+        Self::from_sources(sources, options)
     }
 
-    /// Wished edge length at a point, mm.
+    fn from_sources(mut sources: Vec<Source>, options: &MeshOptions) -> Self {
+        sources.retain(|s| s.data < options.target_edge_mm);
+        sources.sort_by(|a, b| a.data.total_cmp(&b.data));
+        let mut classes = Vec::new();
+        while let Some(least_mm) = sources.first().map(|s| s.data) {
+            let rest = sources.split_off(sources.partition_point(|s| s.data <= CLASS_RATIO * least_mm));
+            let most_mm = sources.last().map_or(least_mm, |s| s.data);
+            classes.push(Class { least_mm, most_mm, sources: RTree::bulk_load(sources) });
+            sources = rest;
+        }
+        Self { target_mm: options.target_edge_mm, grading: options.grading, classes }
+    }
+
+    /// Wished edge length at a point, mm. It grows by no more than the grading per mm.
     pub(crate) fn at(&self, p: DVec2) -> f64 {
-        match self.sources.nearest_neighbor([p.x, p.y]) {
-            Some(s) => {
-                let distance = p.distance(DVec2::from(*s.geom()));
-                (s.data + self.grading * distance).min(self.target_mm)
+        let mut size = self.target_mm;
+        for class in self.classes.iter().take_while(|c| c.least_mm < self.target_mm) {
+            if class.least_mm < size {
+                size = size.min(self.within(class, p, size));
             }
-            None => self.target_mm,
+        }
+        size
+    }
+
+    /// Least length that a class asks for at a point, as far as it is below `size`.
+    fn within(&self, class: &Class, p: DVec2, size: f64) -> f64 {
+        let here = |s: &Source| s.data + self.grading * p.distance(DVec2::from(*s.geom()));
+        let query = [p.x, p.y];
+        if class.least_mm == class.most_mm {
+            return class.sources.nearest_neighbor(query).map_or(size, here);
+        }
+        let mut size = size;
+        for s in class.sources.nearest_neighbor_iter(query) {
+            if class.least_mm + self.grading * p.distance(DVec2::from(*s.geom())) >= size {
+                break;
+            }
+            size = size.min(here(s));
+        }
+        size
+    }
+
+    /// Whether lengths differ so much that points which spread evenly would leave the short ones.
+    pub(crate) fn is_steep(&self) -> bool {
+        self.classes.first().is_some_and(|c| c.least_mm < STEEP * self.target_mm)
+    }
+
+    /// How much longer edges may get per mm.
+    pub(crate) fn grading(&self) -> f64 {
+        self.grading
+    }
+
+    /// The longest edges, mm.
+    pub(crate) fn target_mm(&self) -> f64 {
+        self.target_mm
+    }
+}
+
+/// Sources along a line are no farther apart than so many rows, so that edges grow by little between them.
+const ROWS_PER_SOURCE: f64 = 2.0;
+
+/// Rows so much shorter than the field asks for ask for short edges where they end; slanted and shifted ones are less so.
+const SHORT_ROW: f64 = 0.5;
+
+/// Ends of lines whose rows are short for the sake of another line of their stretch: what they end on must follow.
+fn row_ends(soft: &SoftPattern, options: &MeshOptions, sizes: &SizeField) -> Vec<Source> {
+    let mut ends = Vec::new();
+    for stretch in soft.bands.iter().flat_map(stretches).filter(|s| !s.is_sharp()) {
+        for line in rows(&stretch, options, sizes, 1) {
+            let last = line.len() - 1;
+            for (end, next) in [(line[0].0, line[1].0), (line[last].0, line[last - 1].0)] {
+                let row_mm = end.distance(next);
+                if row_mm < SHORT_ROW * sizes.at(end) {
+                    ends.push(source(end, row_mm));
+                }
+            }
         }
     }
+    ends
+}
+
+/// The points of the outer lines, and points between them where they are far apart.
+fn band_sources(stretch: &Stretch<'_>, options: &MeshOptions, sources: &mut Vec<Source>) {
+    for line in stretch.lines {
+        // Along the border of a junction every line ends: short edges all along.
+        for (end, i) in line.ends.iter().zip([0, line.points.len() - 1]) {
+            if matches!(end, LineEnd::Junction(_)) {
+                sources.push(source(line.points[i], stretch.edge_mm(line.s_mm[i], options)));
+            }
+        }
+    }
+    for line in stretch.outer_lines() {
+        let edges = stretch.edges_mm(line, options);
+        for i in 0..line.points.len() {
+            sources.push(source(line.points[i], edges[i]));
+            let Some(&next) = line.points.get(i + 1) else { break };
+            let apart = line.points[i].distance(next) / edges[i].min(edges[i + 1]);
+            let pieces = (apart / ROWS_PER_SOURCE).ceil() as usize;
+            for k in 1..pieces {
+                let t = k as f64 / pieces as f64;
+                let s_mm = line.s_mm[i] + t * (line.s_mm[i + 1] - line.s_mm[i]);
+                sources.push(source(line.points[i].lerp(next, t), stretch.edge_mm(s_mm, options)));
+            }
+        }
+    }
+}
+
+pub(crate) fn source(at: DVec2, size_mm: f64) -> Source {
+    GeomWithData::new([at.x, at.y], size_mm)
 }

@@ -7,67 +7,21 @@
     reason = "a test may stop at the first surprise"
 )]
 
+mod common;
+
+use common::{hole, pattern, rectangle, with_backends};
 use glam::DVec2;
 use softfold_geometry::{
-    Band, CreaseId, EdgeClass, FoldLine, LoopId, OutlinePoint, PlanarCurve, Segment, SoftPattern, Tolerance,
-    TriangleId, polygon,
+    Band, CreaseId, EdgeClass, FoldLine, LineEnd, LoopId, Softness, TriangleId, polygon,
 };
-use softfold_mesh::{Backend, MeshError, MeshOptions, crosscheck, mesh, quality};
+use softfold_mesh::{MeshError, MeshOptions, crosscheck, mesh, quality};
 
 const TURN_RAD: f64 = 0.2;
 const STRIP_MM: f64 = 6.0;
 
-fn rectangle(width: f64, height: f64) -> PlanarCurve {
-    let corners = [(0., 0.), (width, 0.), (width, height), (0., height), (0., 0.)].map(DVec2::from);
-    PlanarCurve::polyline(&corners).unwrap()
-}
-
-/// A clockwise circle of four cubics.
-fn hole(center: DVec2, radius: f64) -> PlanarCurve {
-    let k = 0.5522847498;
-    let at = |x: f64, y: f64| center + radius * DVec2::new(x, y);
-    let quarter = |a: DVec2| {
-        let b = DVec2::new(a.y, -a.x);
-        Segment::Cubic {
-            from: at(a.x, a.y),
-            c1: at(a.x + k * b.x, a.y + k * b.y),
-            c2: at(b.x + k * a.x, b.y + k * a.y),
-            to: at(b.x, b.y),
-        }
-    };
-    PlanarCurve::new([DVec2::X, -DVec2::Y, -DVec2::X, DVec2::Y].map(quarter).to_vec()).unwrap()
-}
-
 /// A vertical band of four strips around u = `u` on a rectangle.
 fn straight_band(id: u32, u: f64, width: f64, height: f64) -> Band {
-    let line = |k: u32| {
-        let offset_mm = (f64::from(k) - 2.0) * STRIP_MM;
-        let x = u - offset_mm; // left of a line that runs up
-        let points = vec![DVec2::new(x, 0.0), DVec2::new(x, height)];
-        let end = |s_mm: f64| Some(OutlinePoint { loop_id: LoopId(0), s_mm });
-        let ends = [end(x), end(width + height + (width - x))];
-        let turn = if k == 0 || k == 4 { 0.5 * TURN_RAD } else { TURN_RAD };
-        FoldLine { offset_mm, points, turns_rad: vec![turn; 2], ends }
-    };
-    Band {
-        crease: CreaseId(id),
-        radius_mm: 30.0,
-        fold_angle_rad: 4.0 * TURN_RAD,
-        strip_width_mm: STRIP_MM,
-        fold_lines: (0..=4).map(line).collect(),
-    }
-}
-
-fn pattern(loops: Vec<PlanarCurve>, bands: Vec<Band>) -> SoftPattern {
-    let soft = SoftPattern { loops, bands, tolerance: Tolerance::for_size(300.0) };
-    soft.check().unwrap();
-    soft
-}
-
-fn with_backends(test: impl Fn(MeshOptions)) {
-    for backend in [Backend::Spade, Backend::Cgal] {
-        test(MeshOptions { target_edge_mm: 15.0, backend, ..MeshOptions::default() });
-    }
+    common::straight_band(id, u, width, height, 0.5 * STRIP_MM / (0.5 * TURN_RAD).sin())
 }
 
 #[test]
@@ -124,14 +78,16 @@ fn a_ring_of_fold_lines_closes() {
     let mut closed = points.clone();
     closed[200] = points[0];
     let turns_rad = vec![0.3; 201];
-    let line = FoldLine { offset_mm: 0.0, points: closed, turns_rad, ends: [None, None] };
-    let band = Band {
-        crease: CreaseId(0),
-        radius_mm: 0.0,
-        fold_angle_rad: 0.3,
-        strip_width_mm: 0.0,
-        fold_lines: vec![line],
+    let line = FoldLine {
+        rank: None,
+        points: closed,
+        s_mm: (0..=200).map(|k| circle.length_mm() * f64::from(k) / 200.0).collect(),
+        offsets_mm: vec![0.0; 201],
+        turns_rad,
+        ends: [LineEnd::Closed; 2],
     };
+    let soft_nowhere = Softness { s_mm: 0.0, radius_mm: 0.0, fold_angle_rad: 0.3 };
+    let band = Band { crease: CreaseId(0), segments: 4, profile: vec![soft_nowhere], fold_lines: vec![line] };
     let soft = pattern(vec![rectangle(300.0, 200.0)], vec![band]);
     with_backends(|options| {
         let m = mesh(&soft, &options).unwrap().mesh;
@@ -182,9 +138,9 @@ fn cocircular_points_are_told_apart_from_faults() {
 fn bands_that_cross_are_named() {
     let mut other = straight_band(1, 150.0, 300.0, 200.0);
     for line in &mut other.fold_lines {
-        let y = 100.0 + line.offset_mm;
+        let y = 100.0 + line.offsets_mm[0];
         line.points = vec![DVec2::new(0.0, y), DVec2::new(300.0, y)];
-        line.ends = [None, None];
+        line.ends = [LineEnd::Free; 2];
         line.points[0].x = 5.0;
         line.points[1].x = 295.0;
     }

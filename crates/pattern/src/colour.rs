@@ -14,15 +14,32 @@ const PALETTE: [([u8; 3], Role); 7] = [
 ];
 /// Farthest a colour may be from its palette colour, as a distance in RGB of 0..=255. Royal blue
 /// (65, 105, 225), which pattern editors write for valleys, is 127 from blue; mid grey is 221 from black.
-const REACH: f64 = 130.0;
+pub(crate) const REACH: f64 = 130.0;
 
 /// The role whose colour is nearest; none if all are farther than [`REACH`].
+#[allow(dead_code)] // for formats whose colours need no remark
 pub(crate) fn role_of(rgb: [u8; 3]) -> Option<Role> {
+    nearest(rgb).map(|(role, _)| role)
+}
+
+/// The role whose colour is nearest and the distance to it; none if all are farther than [`REACH`].
+pub(crate) fn nearest(rgb: [u8; 3]) -> Option<(Role, f64)> {
     let (d, role) = PALETTE
         .iter()
         .map(|&(p, role)| (distance(rgb, p), role))
         .fold((f64::INFINITY, Role::Boundary), |best, next| if next.0 < best.0 { next } else { best });
-    (d <= REACH).then_some(role)
+    (d <= REACH).then_some((role, d))
+}
+
+/// The user's role for a colour, if one of the user's colours is nearest; none if a usual one is, or if all are
+/// farther than [`REACH`].
+pub(crate) fn nearest_of(own: &[([u8; 3], Option<Role>)], rgb: [u8; 3]) -> Option<Option<Role>> {
+    let usual = PALETTE.iter().map(|&(p, _)| distance(rgb, p)).fold(REACH, f64::min);
+    own.iter()
+        .map(|&(p, role)| (distance(rgb, p), role))
+        .filter(|(d, _)| *d <= usual)
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, role)| role)
 }
 
 /// The colour in which a role is written.

@@ -35,6 +35,8 @@ pub(crate) struct Shape {
     pub(crate) origin: Origin,
     /// Its exact curve in its own coordinates; none where usvg must resolve its numbers (units).
     pub(crate) path: Option<BezPath>,
+    /// Labels and ids of the groups around it, innermost first.
+    pub(crate) layers: Vec<String>,
     /// From `data-assignment`.
     pub(crate) role: Option<Role>,
     /// From `data-foldAngle`, rad.
@@ -119,15 +121,16 @@ fn parse_xml(text: &str) -> Result<roxmltree::Document<'_>, PatternError> {
 }
 
 /// Starts of the lines of a text.
-struct Lines(Vec<usize>);
+pub(crate) struct Lines(Vec<usize>);
 
 impl Lines {
-    fn new(text: &str) -> Self {
+    /// Of this text.
+    pub(crate) fn new(text: &str) -> Self {
         Self(std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect())
     }
 
     /// Line of a byte, from 1.
-    fn of(&self, byte: usize) -> u32 {
+    pub(crate) fn of(&self, byte: usize) -> u32 {
         self.0.partition_point(|&start| start <= byte) as u32
     }
 }
@@ -270,7 +273,7 @@ fn read_shapes(
         let start = node.range().start;
         let id = node.attribute("id").filter(|i| !i.is_empty()).map(str::to_owned);
         let label = id.clone().unwrap_or_else(|| format!("{kind} {count}"));
-        let origin = Origin { label, id, line: lines.of(start) };
+        let origin = Origin { label, id, line: Some(lines.of(start)) };
         let shape = read_shape(&node, origin)?;
         let synthetic = format!("{prefix}{}", shapes.len());
         match shape.origin.id.clone() {
@@ -377,7 +380,14 @@ fn read_shape(node: &Node<'_, '_>, origin: Origin) -> Result<Shape, PatternError
         None => None,
     };
     let angle = inherited("data-foldAngle").map(|a| fold_angle(a, &origin)).transpose()?;
-    Ok(Shape { origin, path, role, fold_angle_rad: angle, drawn })
+    Ok(Shape { origin, path, layers: layers(node), role, fold_angle_rad: angle, drawn })
+}
+
+/// What drawing programs call layers: `inkscape:label` and id of the groups around an element.
+fn layers(node: &Node<'_, '_>) -> Vec<String> {
+    let groups = node.ancestors().skip(1).filter(|a| a.tag_name().name() == "g");
+    let names = groups.flat_map(|g| ["label", "id"].map(|n| g.attributes().find(|a| a.name() == n)));
+    names.flatten().map(|a| a.value().to_owned()).filter(|n| !n.trim().is_empty()).collect()
 }
 
 fn unknown_letter(letter: &str, origin: &Origin) -> PatternError {

@@ -24,9 +24,9 @@ pub enum PatternError {
     /// A crease leaves the sheet, or cannot be a curve.
     #[error("{0}")]
     Crease(Issue),
-    /// Two creases meet or cross.
+    /// More lines, or more places where they meet, than any pattern has.
     #[error("{0}")]
-    Junction(Issue),
+    TooMuch(Issue),
 }
 
 impl PatternError {
@@ -39,7 +39,7 @@ impl PatternError {
             | Self::Number(i)
             | Self::Outline(i)
             | Self::Crease(i)
-            | Self::Junction(i) => i,
+            | Self::TooMuch(i) => i,
         }
     }
 }
@@ -55,6 +55,8 @@ pub(crate) trait Place {
     fn of(self, origin: &Origin) -> Self;
     /// On this line of the file.
     fn line(self, line: u32) -> Self;
+    /// On this line of the file, if known.
+    fn of_line(self, line: Option<u32>) -> Self;
     /// At this place on the sheet.
     fn at(self, position: DVec2) -> Self;
 }
@@ -62,12 +64,17 @@ pub(crate) trait Place {
 impl Place for Issue {
     fn of(mut self, origin: &Origin) -> Self {
         self.element = Some(origin.label.clone());
-        self.line = Some(origin.line);
+        self.line = origin.line;
         self
     }
 
     fn line(mut self, line: u32) -> Self {
         self.line = Some(line);
+        self
+    }
+
+    fn of_line(mut self, line: Option<u32>) -> Self {
+        self.line = line;
         self
     }
 
@@ -84,13 +91,16 @@ pub(crate) struct Origin {
     pub(crate) label: String,
     /// Its own id.
     pub(crate) id: Option<String>,
-    /// Its line in the file, from 1.
-    pub(crate) line: u32,
+    /// Its line in the file, from 1, where the format has lines.
+    pub(crate) line: Option<u32>,
 }
 
 impl std::fmt::Display for Origin {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "'{}' (line {})", self.label, self.line)
+        match self.line {
+            Some(line) => write!(f, "'{}' (line {line})", self.label),
+            None => write!(f, "'{}'", self.label),
+        }
     }
 }
 
@@ -102,4 +112,18 @@ pub(crate) fn list(origins: &[Origin]) -> String {
         names.push(format!("and {} more", origins.len() - SHOWN));
     }
     names.join(", ")
+}
+
+/// The text of a file.
+///
+/// # Errors
+/// Bytes that are no UTF-8, with their line.
+pub(crate) fn utf8(bytes: &[u8]) -> Result<&str, PatternError> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    std::str::from_utf8(bytes).map_err(|e| {
+        let line = bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count() + 1;
+        let what = "the file is no text in UTF-8";
+        let line = u32::try_from(line).unwrap_or(u32::MAX);
+        PatternError::Malformed(issue(Severity::Error, what, "save it as UTF-8").line(line))
+    })
 }

@@ -34,6 +34,17 @@ pub(crate) fn ellipse(center: Point, radii: Vec2) -> BezPath {
     path
 }
 
+/// An arc of the unit circle, angles in rad, counter-clockwise for a positive `sweep`.
+pub(crate) fn unit_arc(start: f64, sweep: f64) -> BezPath {
+    let on = |angle: f64| Point::new(angle.cos(), angle.sin());
+    let arc = Arc::new(Point::ORIGIN, Vec2::new(1.0, 1.0), start, sweep, 0.0);
+    let mut path = BezPath::new();
+    path.move_to(on(start));
+    let whole = sweep.abs() >= std::f64::consts::TAU;
+    append_arc(&mut path, &arc, on(if whole { start } else { start + sweep }));
+    path
+}
+
 /// A rectangle with corners rounded by `radii`.
 pub(crate) fn rectangle(min: Point, size: Vec2, radii: Vec2) -> BezPath {
     let r = Vec2::new(radii.x.min(size.x / 2.0), radii.y.min(size.y / 2.0));
@@ -179,7 +190,7 @@ impl Pen {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kurbo::{PathEl, Shape};
+    use kurbo::{ParamCurveArclen, PathEl, Shape};
 
     #[test]
     fn arcs_keep_their_circle() {
@@ -192,6 +203,17 @@ mod tests {
             }
         }
         assert_eq!(path.current_position(), Some(Point::new(0.0, 1000.0)));
+    }
+
+    #[test]
+    fn arcs_of_the_unit_circle_end_where_they_should() {
+        let path = unit_arc(1.0, 4.0);
+        let end = path.current_position().unwrap();
+        assert!(end.distance(Point::new(5.0_f64.cos(), 5.0_f64.sin())) < 1e-15);
+        let sector = path.segments().map(|s| s.arclen(1e-10)).sum::<f64>();
+        assert!((sector - 4.0).abs() < 1e-6, "{sector}");
+        let whole = unit_arc(0.3, std::f64::consts::TAU);
+        assert_eq!(whole.current_position(), Some(Point::new(0.3_f64.cos(), 0.3_f64.sin())));
     }
 
     #[test]

@@ -1,38 +1,35 @@
 //! The drawn lines with their roles, in mm with v up: transforms, styles and `use` by usvg.
 
-use crate::PatternError;
 use crate::colour;
 use crate::document::{Document, Shape};
+use crate::drawing::Stroke;
 use crate::error::{Origin, Place, issue, list};
+use crate::roles::{RoleMap, role_of_layer};
+use crate::{PatternError, ReadOptions};
 use kurbo::{Affine, BezPath, PathEl, Point};
 use softfold_geometry::{DVec2, Issue, Role, Segment, Severity};
 use std::collections::{BTreeMap, BTreeSet};
 use usvg::tiny_skia_path::PathSegment;
 
-/// A drawn element with a role.
-#[derive(Clone, Debug)]
-pub(crate) struct Stroke {
-    /// What it is.
-    pub(crate) role: Role,
-    /// Signed fold angle, where the file says.
-    pub(crate) fold_angle_rad: Option<f64>,
-    /// The element.
-    pub(crate) origin: Origin,
-    /// Its subpaths in (u, v); never empty.
-    pub(crate) pieces: Vec<Vec<Segment>>,
-}
-
 /// All strokes with a role, in the order of the file; what is ignored is said.
 ///
 /// # Errors
 /// usvg finds no SVG, or nothing is drawn.
-pub(crate) fn collect(document: &Document, issues: &mut Vec<Issue>) -> Result<Vec<Stroke>, PatternError> {
-    let tree = usvg::Tree::from_str(&document.text, &parse_options(document)).map_err(|e| {
+pub(crate) fn collect(
+    document: &Document,
+    options: &ReadOptions,
+    issues: &mut Vec<Issue>,
+) -> Result<Vec<Stroke>, PatternError> {
+    // Some values (an infinite miter limit, say) meet assertions of usvg's, which a user's file must not trip.
+    let tree = std::panic::catch_unwind(|| usvg::Tree::from_str(&document.text, &parse_options(document)));
+    let tree =
+        tree.map_or_else(|_| Err("a value is out of its range".to_owned()), |t| t.map_err(|e| e.to_string()));
+    let tree = tree.map_err(|e| {
         let what = format!("the drawing cannot be resolved: {e}");
         let mend = "save the drawing as plain SVG";
         PatternError::Malformed(issue(Severity::Error, what, mend).line(document.root_line))
     })?;
-    let mut walk = Walk::new(document);
+    let mut walk = Walk::new(document, &options.roles);
     walk.group(tree.root(), 1.0);
     walk.finish(issues);
     if walk.strokes.is_empty() {
@@ -59,18 +56,26 @@ struct Walk<'a> {
     document: &'a Document,
     strokes: Vec<Stroke>,
     seen: BTreeMap<&'a str, usize>,
+    roles: &'a RoleMap,
     /// Stroke colours that are none of ours, each with its elements.
     unknown: BTreeMap<String, Vec<Origin>>,
+    /// What the user leaves out.
+    left_out: Vec<Origin>,
+    /// How roles were found that neither the user nor the file says, each with its elements.
+    taken: BTreeMap<String, Vec<Origin>>,
     issues: Vec<Issue>,
 }
 
 impl<'a> Walk<'a> {
-    fn new(document: &'a Document) -> Self {
+    fn new(document: &'a Document, roles: &'a RoleMap) -> Self {
         Self {
             document,
+            roles,
             strokes: Vec::new(),
             seen: BTreeMap::new(),
             unknown: BTreeMap::new(),
+            left_out: Vec::new(),
+            taken: BTreeMap::new(),
             issues: Vec::new(),
         }
     }
@@ -95,10 +100,7 @@ impl<'a> Walk<'a> {
         let uses = self.seen.entry(id).or_default();
         *uses += 1;
         let origin = instance(&shape.origin, *uses);
-        let Some(role) = shape.role.or_else(|| role_of_paint(stroke.paint())) else {
-            self.unknown.entry(paint_name(stroke.paint())).or_default().push(origin);
-            return;
-        };
+        let Some(role) = self.role(shape, stroke.paint(), &origin) else { return };
         let pieces = self.pieces(shape, path);
         if pieces.is_empty() {
             let what = "the line has no length; it is ignored";
@@ -108,6 +110,48 @@ impl<'a> Walk<'a> {
         let opacity = opacity * f64::from(stroke.opacity().get());
         let fold_angle_rad = self.fold_angle(shape, role, opacity, &origin);
         self.strokes.push(Stroke { role, fold_angle_rad, origin, pieces });
+    }
+
+    /// The user's word, else `data-assignment`, else the nearest colour; where no colour is near, a layer's name.
+    /// None if the line is left out.
+    fn role(&mut self, shape: &Shape, paint: &usvg::Paint, origin: &Origin) -> Option<Role> {
+        let rgb = match paint {
+            usvg::Paint::Color(c) => Some([c.red, c.green, c.blue]),
+            _ => None,
+        };
+        let layers: Vec<&str> = shape.layers.iter().map(String::as_str).collect();
+        if let Some(said) = self.roles.of(origin.id.as_deref(), &layers, rgb) {
+            if said.is_none() {
+                self.left_out.push(origin.clone());
+            }
+            return said;
+        }
+        if shape.role.is_some() {
+            return shape.role;
+        }
+        if let Some((role, distance)) = rgb.and_then(colour::nearest) {
+            if distance > 0.0 {
+                let reach = colour::REACH;
+                let how = format!("distance {distance:.0} of at most {reach:.0}");
+                self.take(&format!("stroke {}", paint_name(paint)), role, &how, origin);
+            }
+            return Some(role);
+        }
+        match layers.iter().find_map(|l| Some((*l, role_of_layer(l)?))) {
+            Some((layer, role)) => {
+                self.take(&format!("what is drawn in layer '{layer}'"), role, "by the layer's name", origin);
+                Some(role)
+            }
+            None => {
+                self.unknown.entry(paint_name(paint)).or_default().push(origin.clone());
+                None
+            }
+        }
+    }
+
+    fn take(&mut self, what: &str, role: Role, how: &str, origin: &Origin) {
+        let said = format!("{what} is taken as {} ({how})", role_name(role));
+        self.taken.entry(said).or_default().push(origin.clone());
     }
 
     /// The attribute wins; an opacity below 1 is the angle by 180°; else the file does not say.
@@ -140,10 +184,19 @@ impl<'a> Walk<'a> {
     /// Says what was left out.
     fn finish(&mut self, issues: &mut Vec<Issue>) {
         issues.append(&mut self.issues);
+        for (what, origins) in &self.taken {
+            let what = format!("{what}: {}", list(origins));
+            let mend = "give another role in the project file if this is not meant";
+            issues.push(issue(Severity::Note, what, mend).of_line(origins[0].line));
+        }
+        if let Some(first) = self.left_out.first() {
+            let what = format!("left out by the project's roles: {}", list(&self.left_out));
+            issues.push(issue(Severity::Note, what, "").of_line(first.line));
+        }
         for (colour, origins) in &self.unknown {
             let what = format!("stroke {colour} is no role; ignored: {}", list(origins));
             let mend = "use black, red, blue, yellow, green or magenta, or data-assignment";
-            issues.push(issue(Severity::Note, what, mend).line(origins[0].line));
+            issues.push(issue(Severity::Note, what, mend).of_line(origins[0].line));
         }
         let drawn: BTreeSet<&str> = self.seen.keys().copied().collect();
         let hidden: Vec<Origin> = self
@@ -157,8 +210,9 @@ impl<'a> Walk<'a> {
             let mut hidden = hidden;
             hidden.sort_by_key(|o| o.line);
             let what = format!("without a visible stroke, ignored: {}", list(&hidden));
-            issues
-                .push(issue(Severity::Note, what, "give them a stroke if they matter").line(hidden[0].line));
+            issues.push(
+                issue(Severity::Note, what, "give them a stroke if they matter").of_line(hidden[0].line),
+            );
         }
     }
 }
@@ -171,10 +225,15 @@ fn instance(origin: &Origin, uses: usize) -> Origin {
     }
 }
 
-fn role_of_paint(paint: &usvg::Paint) -> Option<Role> {
-    match paint {
-        usvg::Paint::Color(c) => colour::role_of([c.red, c.green, c.blue]),
-        _ => None,
+/// What a role is called in messages.
+fn role_name(role: Role) -> &'static str {
+    match role {
+        Role::Boundary => "boundary",
+        Role::Mountain => "mountain",
+        Role::Valley => "valley",
+        Role::Flat => "flat",
+        Role::Cut => "cut",
+        Role::Unassigned => "unassigned",
     }
 }
 

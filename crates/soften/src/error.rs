@@ -1,7 +1,11 @@
 //! Why a pattern cannot be softened: the crease, the place, and the mend.
 
+use crate::{AlongFault, BoardFault};
 use softfold_geometry::{Crease, CreaseId, DVec2, Issue, Severity};
 use std::fmt;
+
+/// Longer lengths (1 km) have an exponent in messages.
+const LONGEST_WRITTEN_OUT_MM: f64 = 1e6;
 
 /// Why a pattern cannot be softened.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,11 +37,27 @@ pub enum Fault {
     Radius {
         /// The radius asked for, mm.
         radius_mm: f64,
+        /// Where along the crease, mm.
+        s_mm: Option<f64>,
     },
-    /// The fold angle is 0, no number, or ±180° and beyond.
+    /// The fold angle is no number, or ±180° and beyond, or 0 all along.
     FoldAngle {
         /// The angle asked for, rad.
         fold_angle_rad: f64,
+        /// Where along the crease, mm.
+        s_mm: Option<f64>,
+    },
+    /// A list of places along the crease is none.
+    Along {
+        /// What the list is of.
+        what: &'static str,
+        /// What is wrong with it.
+        why: AlongFault,
+    },
+    /// The board is too thick for what is asked, or no board.
+    Board {
+        /// What is wrong.
+        why: BoardFault,
     },
     /// No strips, or too many.
     Segments {
@@ -59,14 +79,22 @@ pub enum Fault {
     /// The band does not fit on the sheet.
     Misfit {
         /// Why.
-        why: Misfit,
+        why: Box<Misfit>,
         /// Where.
         at: DVec2,
-        /// The radius asked for, mm.
+        /// The radius asked for, mm; where it changes along the crease, the largest.
         radius_mm: f64,
-        /// The largest radius that fits, mm, all other bands as they are; none if not even a sharp
-        /// fold does.
+        /// The largest radius that fits, mm, all other bands as they are and the radii along this one scaled
+        /// together; none if not even a sharp fold does.
         largest_radius_mm: Option<f64>,
+        /// If no radius does: the largest factor on all radii of the pattern with which all bands fit; none if
+        /// not even sharp folds do.
+        all_share: Option<f64>,
+    },
+    /// The fold lines of the band would have more points than anything can be done with.
+    TooFine {
+        /// How many points.
+        points: usize,
     },
 }
 
@@ -75,8 +103,17 @@ pub enum Fault {
 pub enum Misfit {
     /// The inner edge reaches the crease's centre of curvature.
     Curvature,
-    /// The band reaches the outline or a hole along its side.
+    /// The band reaches the outline, a hole or a slit along its side, or has one in it.
     Boundary,
+    /// The junction regions at its ends leave nothing of it.
+    Short,
+    /// The region where creases meet does not fit.
+    Junction {
+        /// Names of the creases that meet.
+        creases: Vec<String>,
+        /// The largest factor on all their radii with which they fit; none if not even sharp folds do.
+        largest_share: Option<f64>,
+    },
     /// Two parts of the band reach each other.
     Itself,
     /// The band reaches another.
@@ -126,17 +163,24 @@ impl Fault {
 
     fn message(&self) -> String {
         match self {
-            Self::Radius { radius_mm } => format!("the radius {radius_mm} mm is no radius"),
-            Self::FoldAngle { fold_angle_rad } => {
-                format!("the fold angle {:.3}° cannot be folded", fold_angle_rad.to_degrees())
+            Self::Radius { radius_mm, s_mm } => {
+                format!("the radius {radius_mm} mm{} is no radius", place(*s_mm))
             }
+            Self::FoldAngle { fold_angle_rad, s_mm } => {
+                let degrees = fold_angle_rad.to_degrees();
+                format!("the fold angle {degrees:.3}°{} cannot be folded", place(*s_mm))
+            }
+            Self::Along { what, why } => format!("the list of its {what} {}", why.message()),
+            Self::Board { why } => why.message(),
             Self::Segments { segments } => format!("a band cannot have {segments} strips"),
             Self::ChordTolerance { tolerance_mm } => format!("the chord tolerance {tolerance_mm} mm is none"),
             Self::Corner { turn_rad, .. } => {
                 format!("the crease has a corner of {:.1}°", turn_rad.to_degrees())
             }
+            Self::TooFine { points } => format!("the fold lines of its band would have {points} points"),
+            Self::Misfit { why, radius_mm: 0.0, .. } => format!("the sharp crease {}", why.message()),
             Self::Misfit { why, radius_mm, .. } => {
-                format!("the band of radius {radius_mm:.3} mm {}", why.message())
+                format!("the band of radius {} {}", length(*radius_mm), why.message())
             }
         }
     }
@@ -145,34 +189,96 @@ impl Fault {
         match self {
             Self::Radius { .. } => "give 0 (sharp) or more".to_owned(),
             Self::FoldAngle { .. } => {
-                "give degrees between -180 and 180, not 0; draw lines that stay flat yellow".to_owned()
+                "give degrees between -180 and 180, not 0 everywhere; draw lines that stay flat yellow"
+                    .to_owned()
             }
+            Self::Along { .. } => {
+                "give pairs of arc length in mm, ascending from 0 to the crease's length, and value"
+                    .to_owned()
+            }
+            Self::Board { why } => why.mend(),
             Self::Segments { .. } => format!("give 1 to {}", crate::figures::MOST_SEGMENTS),
             Self::ChordTolerance { .. } => "give a positive length in mm".to_owned(),
             Self::Corner { .. } => "round the corner, or split the crease there".to_owned(),
-            Self::Misfit { why, largest_radius_mm, .. } => misfit_mend(name, why, *largest_radius_mm),
+            Self::TooFine { .. } => {
+                "give fewer strips or fewer places, or draw the crease with fewer segments".to_owned()
+            }
+            Self::Misfit { radius_mm: 0.0, .. } => "end it there, or draw it elsewhere".to_owned(),
+            Self::Misfit { why, largest_radius_mm, all_share, .. } => {
+                let mend = misfit_mend(name, why, *largest_radius_mm);
+                let all =
+                    |share: &f64| format!("; all radii of the pattern fit at {:.2} %", floor_percent(*share));
+                mend + &all_share.as_ref().map_or(String::new(), all)
+            }
         }
     }
 }
 
 fn misfit_mend(name: &str, why: &Misfit, largest: Option<f64>) -> String {
     let fits = |name: &str, radius: Option<f64>| match radius {
-        Some(r) => format!("the largest radius that fits '{name}' is {r:.3} mm"),
+        Some(r) => format!("the largest radius that fits '{name}' is {}", length(r)),
         None => format!("no radius fits '{name}'"),
     };
     match why {
         Misfit::Band { other, other_largest_radius_mm } => {
             format!("{}, or {}", fits(name, largest), fits(other, *other_largest_radius_mm))
         }
+        Misfit::Junction { largest_share: Some(share), .. } => {
+            format!(
+                "{}; all radii that meet there fit at {:.2} %",
+                fits(name, largest),
+                floor_percent(*share)
+            )
+        }
         _ => fits(name, largest),
     }
 }
 
+/// A length as a message says it.
+fn length(mm: f64) -> String {
+    if mm < LONGEST_WRITTEN_OUT_MM { format!("{mm:.3} mm") } else { format!("{mm:e} mm") }
+}
+
+/// In percent with two digits, never more than it is.
+fn floor_percent(share: f64) -> f64 {
+    (1e4 * share).floor() / 1e2
+}
+
+/// Where along a crease, for a message.
+fn place(s_mm: Option<f64>) -> String {
+    s_mm.filter(|s| *s != 0.0).map_or(String::new(), |s| format!(" at {s:.3} mm along it"))
+}
+
+impl AlongFault {
+    fn message(&self) -> String {
+        match self {
+            Self::Empty => "is empty".to_owned(),
+            Self::TooMany { places } => {
+                format!("has {places} entries, more than {}", crate::along::MOST_PLACES)
+            }
+            Self::NotFinite => "has a place that is no finite number".to_owned(),
+            Self::Unsorted { s_mm } => format!("is not sorted: {s_mm} mm comes after a place beyond it"),
+            Self::Twice { s_mm } => format!("has the place {s_mm} mm twice"),
+            Self::OffCrease { s_mm, length_mm } => {
+                format!("has the place {s_mm} mm, but the crease is {length_mm:.3} mm long")
+            }
+        }
+    }
+}
+
 impl Misfit {
+    pub(crate) fn junction() -> Self {
+        Self::Junction { creases: Vec::new(), largest_share: None }
+    }
+
     fn message(&self) -> String {
         match self {
             Self::Curvature => "swallows its inside: the crease is bent too tightly".to_owned(),
-            Self::Boundary => "reaches the outline or a hole sideways".to_owned(),
+            Self::Boundary => "reaches the outline, a hole or a slit sideways".to_owned(),
+            Self::Short => "has no room between the junctions at its ends".to_owned(),
+            Self::Junction { creases, .. } => {
+                format!("leaves no room for the region where {} meet", creases.join(", "))
+            }
             Self::Itself => "reaches another part of itself".to_owned(),
             Self::Band { other, .. } => format!("reaches the band of crease '{other}'"),
         }
@@ -186,3 +292,9 @@ impl fmt::Display for SoftenError {
 }
 
 impl std::error::Error for SoftenError {}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.message())
+    }
+}

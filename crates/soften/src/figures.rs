@@ -1,13 +1,20 @@
-//! The numbers of a band (paper eq. 1 to 3): chord, tangent length, widths, turns.
+//! The numbers of a band (paper eq. 1 to 3): chord, tangent length, widths, turns, strips.
 
-use crate::{CreaseSoftness, Fault, Segments};
+use crate::{Fault, Segments};
+use softfold_geometry::Softness;
 
 /// Most strips of a band: far beyond what a sheet or a mesh can show, and a stop for tolerances
 /// that are far too small.
 pub(crate) const MOST_SEGMENTS: u32 = 1000;
+/// Steps of the search for the largest sagitta between two entries; each keeps 62 % of the interval.
+const SEARCH_STEPS: usize = 60;
+/// The golden section.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// A sagitta may exceed its tolerance by this share: rounding.
+const ROUNDING: f64 = 1e-9;
 
-/// Widths and lengths of a band, for the report. The band is `n` chords of the arc, so its width is a
-/// little less than the arc's length.
+/// Widths and lengths of a band at one place, for the report. The band is `n` chords of the arc, so its
+/// width is a little less than the arc's length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandFigures {
     /// Strips `n`.
@@ -23,62 +30,64 @@ pub struct BandFigures {
 }
 
 impl BandFigures {
-    /// The figures of a softness; zeros and one segment for a sharp fold.
-    ///
-    /// # Errors
-    /// Numbers that are no radius, fold angle, count or tolerance.
-    pub fn new(softness: &CreaseSoftness) -> Result<Self, Fault> {
-        let CreaseSoftness { radius_mm: r, fold_angle_rad, segments } = *softness;
-        if !(r >= 0.0 && r.is_finite()) {
-            return Err(Fault::Radius { radius_mm: r });
-        }
-        let angle = fold_angle_rad.abs();
-        if !(angle > 0.0 && angle < std::f64::consts::PI) {
-            return Err(Fault::FoldAngle { fold_angle_rad });
-        }
-        let n = count(r, angle, segments)?;
-        let chord_mm = 2.0 * r * (angle / (2.0 * f64::from(n))).sin();
-        Ok(Self {
-            segments: n,
+    /// The figures of a radius and a fold angle with `segments` strips; zeros for a sharp fold.
+    pub fn of(softness: &Softness, segments: u32) -> Self {
+        let (r, angle) = (softness.radius_mm, softness.fold_angle_rad.abs());
+        let chord_mm = softness.strip_width_mm(segments);
+        Self {
+            segments,
             chord_mm,
             // cot(ρ/2) = tan((π−ρ)/2)
             tangent_length_mm: r * (angle / 2.0).tan(),
-            band_width_mm: f64::from(n) * chord_mm,
+            band_width_mm: f64::from(segments) * chord_mm,
             arc_length_mm: r * angle,
-        })
-    }
-
-    /// Offset and turn of each fold line, from right to left of the crease: `(k − n/2) x`, with
-    /// `(π−ρ)/n` at the inner lines and half of that at the two outer ones, signed like
-    /// `fold_angle_rad`. A single line with the whole turn if the band has no width.
-    pub(crate) fn lines(&self, fold_angle_rad: f64) -> Vec<(f64, f64)> {
-        if self.chord_mm == 0.0 {
-            return vec![(0.0, fold_angle_rad)];
         }
-        let n = self.segments;
-        let turn = fold_angle_rad / f64::from(n);
-        let line = |k: u32| {
-            let offset = (f64::from(k) - 0.5 * f64::from(n)) * self.chord_mm;
-            (offset, if k == 0 || k == n { 0.5 * turn } else { turn })
-        };
-        (0..=n).map(line).collect()
     }
 }
 
-/// Strips; by chord tolerance, as many as keep the sagitta `r (1 − cos(Δ/2))` of `Δ = (π−ρ)/n` in it.
-fn count(radius_mm: f64, angle_rad: f64, segments: Segments) -> Result<u32, Fault> {
+/// Strips of a band; by chord tolerance the fewest that keep the sagitta everywhere.
+pub(crate) fn segment_count(profile: &[Softness], segments: Segments) -> Result<u32, Fault> {
     let n = match segments {
         Segments::Count(n) => f64::from(n),
-        Segments::Chord { tolerance_mm: t } => {
-            if !(t > 0.0 && t.is_finite()) {
-                return Err(Fault::ChordTolerance { tolerance_mm: t });
-            }
-            let widest = if t < radius_mm { 2.0 * (1.0 - t / radius_mm).acos() } else { f64::INFINITY };
-            (angle_rad / widest).ceil().max(1.0)
-        }
+        Segments::Chord { tolerance_mm: t } if t > 0.0 && t.is_finite() => chord_count(profile, t),
+        Segments::Chord { tolerance_mm } => return Err(Fault::ChordTolerance { tolerance_mm }),
     };
     match n >= 1.0 && n <= f64::from(MOST_SEGMENTS) {
         true => Ok(n as u32),
         false => Err(Fault::Segments { segments: n }),
     }
+}
+
+fn chord_count(profile: &[Softness], tolerance_mm: f64) -> f64 {
+    let mut n = profile.iter().map(|e| chord_count_at(e, tolerance_mm)).fold(1.0, f64::max);
+    // Between two entries, where one figure grows and the other shrinks, more can be needed.
+    let keeps =
+        |n: f64| profile.windows(2).all(|w| worst_sagitta_mm(w, n) <= tolerance_mm * (1.0 + ROUNDING));
+    while n <= f64::from(MOST_SEGMENTS) && !keeps(n) {
+        n += 1.0;
+    }
+    n
+}
+
+/// Fewest strips for which the sagitta `r (1 − cos(Δ/2))` of `Δ = (π−ρ)/n` keeps a tolerance.
+fn chord_count_at(e: &Softness, tolerance_mm: f64) -> f64 {
+    let r = e.radius_mm;
+    let widest = if tolerance_mm < r { 2.0 * (1.0 - tolerance_mm / r).acos() } else { f64::INFINITY };
+    (e.fold_angle_rad.abs() / widest - ROUNDING).ceil().max(1.0)
+}
+
+/// The largest sagitta between two entries: its logarithm is concave, since those of `r` and of
+/// `1 − cos φ = 2 sin²(φ/2)` are, so a golden-section search finds it.
+fn worst_sagitta_mm(pair: &[Softness], n: f64) -> f64 {
+    let between = |a: f64, b: f64, t: f64| a + t * (b - a);
+    let sagitta = |t: f64| {
+        let angle = between(pair[0].fold_angle_rad, pair[1].fold_angle_rad, t).abs();
+        between(pair[0].radius_mm, pair[1].radius_mm, t) * (1.0 - (angle / (2.0 * n)).cos())
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..SEARCH_STEPS {
+        let [a, b] = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+        if sagitta(a) < sagitta(b) { low = a } else { high = b }
+    }
+    sagitta(0.5 * (low + high))
 }

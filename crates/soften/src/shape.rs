@@ -1,21 +1,25 @@
-//! A band on the sheet: its fold lines clipped at the boundary, and whether it fits.
+//! One band on the sheet: its fold lines, and whether they fit the crease and the boundary.
 
-use crate::boundary::{Boundary, Crossing};
+use crate::boundary::{Boundary, Side};
+use crate::layout::EndKind;
+use crate::lines::{Clip, MOST_SHIFT, Stop};
+use crate::profile::{Profile, Stretch};
 use crate::spine::{Sampling, Spine};
-use crate::{BandFigures, CreaseSoftness, Fault, Misfit};
-use softfold_geometry::{Crease, DVec2, FoldLine, OutlinePoint, PlanarCurve, Tolerance, polygon};
+use crate::{Fault, Misfit};
+use softfold_geometry::{Band, Crease, DVec2, FoldLine, LineEnd, LoopId, Tolerance, polygon};
+use std::ops::Range;
 
-/// A fold line may end this many half widths before or after the crease does: a crease that meets the
-/// outline at less than 9.5° runs along it rather than ending on it.
-const MOST_SHIFT: f64 = 6.0;
 /// Creases are run on past the outline by so many half widths, enough for [`MOST_SHIFT`].
 const RUN_ON: f64 = 1.0 + MOST_SHIFT;
 /// Shortest run past the outline, as a share of the sheet.
 const LEAST_RUN_ON: f64 = 1e-3;
-
-/// Fold lines keep this to their parallel curve unless the sheet is so small that its tolerances are finer:
+/// Fold lines keep this to their curve unless the sheet is so small that its tolerances are finer:
 /// half of the 0.01 mm that a band is held to.
 const FINEST_CHORD_MM: f64 = 0.005;
+/// Most points of a band's fold lines: a hundred megabytes.
+const MOST_POINTS: usize = 2_000_000;
+/// Stretches shorter than this share of their crease are rounding.
+const SHORTEST: f64 = 1e-9;
 
 /// What every band needs to know of the sheet.
 pub(crate) struct Sheet {
@@ -38,13 +42,26 @@ impl From<Fault> for Problem {
     }
 }
 
+/// How a crease ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ends {
+    pub(crate) kinds: [EndKind; 2],
+    /// By how much the band is cut back for a junction region, mm.
+    pub(crate) cuts_mm: [f64; 2],
+}
+
+/// The fold lines of one stretch, by their numbers in the band.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    pub(crate) lines: Range<usize>,
+    pub(crate) soft: bool,
+}
+
 /// A band on the sheet.
 #[derive(Clone, Debug)]
 pub(crate) struct Shape {
-    pub(crate) figures: BandFigures,
-    /// From right to left.
-    pub(crate) lines: Vec<FoldLine>,
-    closed: bool,
+    pub(crate) band: Band,
+    pub(crate) parts: Vec<Part>,
 }
 
 impl Shape {
@@ -52,258 +69,221 @@ impl Shape {
     ///
     /// # Errors
     /// A softness that is none, or a band that does not fit.
-    pub(crate) fn new(sheet: &Sheet, crease: &Crease, softness: &CreaseSoftness) -> Result<Self, Problem> {
-        let figures = BandFigures::new(softness)?;
-        let half_width_mm = 0.5 * figures.band_width_mm;
-        let runs = ends_on_boundary(sheet, &crease.curve);
-        let run_on = (RUN_ON * half_width_mm).max(LEAST_RUN_ON * sheet.boundary.size_mm());
-        let sampling = Sampling {
-            half_width_mm,
-            chord_mm: FINEST_CHORD_MM.min(sheet.tolerance.join_mm).max(sheet.tolerance.chord_mm),
-            run_on_mm: runs.map(|r| if r { run_on } else { 0.0 }),
-        };
-        let spine = Spine::new(&crease.curve, &sampling)?;
-        refuse_tight(&spine, half_width_mm)?;
-        let clip = Clip { sheet, spine: &spine, runs, half_width_mm };
-        let lines = figures.lines(softness.fold_angle_rad);
-        let lines = lines.into_iter().map(|(o, turn)| clip.line(o, turn)).collect::<Result<Vec<_>, _>>()?;
-        let shape = Self { figures, lines, closed: spine.closed };
-        shape.refuse_boundary_inside(sheet, &crease.curve)?;
-        shape.refuse_self_overlap()?;
+    pub(crate) fn new(
+        sheet: &Sheet,
+        crease: &Crease,
+        profile: &Profile,
+        ends: &Ends,
+    ) -> Result<Self, Problem> {
+        let plan = Plan { sheet, crease, profile, ends };
+        plan.refuse_wider_than_sheet()?;
+        let stretches = plan.stretches()?;
+        let sampling = plan.sampling(&stretches);
+        let spine = Spine::new(&crease.curve, profile, &sampling)?;
+        let points = spine.stations.len() * (profile.band.segments as usize + 1);
+        if points > MOST_POINTS {
+            return Err(Fault::TooFine { points }.into());
+        }
+        let mut shape = Self { band: profile.band.clone(), parts: Vec::new() };
+        for stretch in &stretches {
+            if stretch.soft {
+                refuse_tight(&spine, profile, stretch)?;
+            }
+            let clip = Clip { sheet, profile, spine: &spine, s_mm: stretch.s_mm, stops: plan.stops(stretch) };
+            let start = shape.band.fold_lines.len();
+            let ranks: Vec<Option<u32>> =
+                if stretch.soft { (0..=profile.band.segments).map(Some).collect() } else { vec![None] };
+            for rank in ranks {
+                shape.band.fold_lines.push(clip.line(rank)?);
+            }
+            let part = Part { lines: start..shape.band.fold_lines.len(), soft: stretch.soft };
+            shape.refuse_boundary_inside(sheet, &part)?;
+            shape.parts.push(part);
+        }
         Ok(shape)
     }
 
-    /// Where this band reaches another.
-    pub(crate) fn meets(&self, other: &Self, slack_mm: f64) -> Option<DVec2> {
-        let sharp = self.lines.len() == 1 && other.lines.len() == 1;
-        for a in self.edges() {
-            for b in other.edges() {
-                // Sharp creases may share an end on the outline.
-                let shared = |p: DVec2| sharp && is_end(a, p, slack_mm) && is_end(b, p, slack_mm);
-                if let Some(p) = crossings(a, b).find(|&p| !shared(p)) {
-                    return Some(p);
-                }
-            }
-        }
-        let middle = |s: &Self| middle_of(&s.lines[0].points);
-        let (mine, others) = (middle(self), middle(other));
-        [(self, others), (other, mine)].into_iter().find(|(s, p)| s.contains(*p)).map(|(_, p)| p)
+    pub(crate) fn lines(&self, part: &Part) -> &[FoldLine] {
+        &self.band.fold_lines[part.lines.clone()]
     }
 
-    /// The outer fold lines; one of a sharp crease.
-    fn edges(&self) -> impl Iterator<Item = &[DVec2]> {
-        let last = self.lines.len() - 1;
-        let outer = if last == 0 { vec![0] } else { vec![0, last] };
-        outer.into_iter().map(|i| self.lines[i].points.as_slice())
+    /// The fold lines that reach an end of the crease, from right to left.
+    pub(crate) fn lines_at(&self, side: usize, meeting: usize) -> Vec<FoldLine> {
+        let part = if side == 0 { self.parts.first() } else { self.parts.last() };
+        let ends_here = |l: &&FoldLine| l.ends[side] == LineEnd::Junction(meeting);
+        part.map_or(Vec::new(), |p| self.lines(p).iter().filter(ends_here).cloned().collect())
     }
 
-    /// Whether a point is inside the band.
-    fn contains(&self, p: DVec2) -> bool {
-        if self.lines.len() == 1 {
+    /// Whether a point is inside the strips of a part.
+    pub(crate) fn contains(&self, part: &Part, p: DVec2) -> bool {
+        let lines = self.lines(part);
+        let (Some(right), Some(left)) = (lines.first(), lines.last()) else { return false };
+        if !part.soft {
             return false;
         }
-        let (right, left) = (&self.lines[0].points, &self.lines[self.lines.len() - 1].points);
-        if self.closed {
-            return polygon::contains(right, p) != polygon::contains(left, p);
+        if right.ends[0] == LineEnd::Closed {
+            return polygon::contains(&right.points, p) != polygon::contains(&left.points, p);
         }
-        let around: Vec<DVec2> = right.iter().chain(left.iter().rev()).copied().collect();
+        let end = |side: usize| {
+            let point =
+                move |l: &FoldLine| if side == 0 { l.points[0] } else { l.points[l.points.len() - 1] };
+            lines.iter().map(point)
+        };
+        let middle = 1..lines.len() - 1;
+        let mut around = right.points.clone();
+        around.extend(end(1).skip(1).take(middle.len()));
+        around.extend(left.points.iter().rev());
+        around.extend(end(0).rev().skip(1).take(middle.len()));
         polygon::contains(&around, p)
     }
 
-    /// Refuses a band with a piece of the boundary in it, other than where it ends.
-    fn refuse_boundary_inside(&self, sheet: &Sheet, crease: &PlanarCurve) -> Result<(), Problem> {
-        if self.lines.len() == 1 {
+    /// Refuses a band with a hole or a slit in it.
+    fn refuse_boundary_inside(&self, sheet: &Sheet, part: &Part) -> Result<(), Problem> {
+        let lines = self.lines(part);
+        if !part.soft {
             return Ok(());
         }
-        let ends = self.end_arcs(sheet, crease)?;
-        for (id, p) in sheet.boundary.corners() {
-            if !self.near(p) || !self.contains(p) {
-                continue;
-            }
-            let s_mm = sheet.boundary.arc_length(id, p);
-            let at_an_end = ends
-                .iter()
-                .any(|(l, arc)| *l == id && sheet.boundary.arc_has(id, *arc, s_mm, sheet.tolerance.join_mm));
-            if !at_an_end {
-                return Err(Problem::Misfit(Misfit::Boundary, p));
-            }
+        let carrying: Vec<LoopId> =
+            lines.iter().flat_map(|l| l.ends).filter_map(|e| e.on_boundary().map(|p| p.loop_id)).collect();
+        if let Some(p) = cap_crossing(sheet, lines, &carrying) {
+            return Err(Problem::Misfit(Misfit::Boundary, p));
         }
-        Ok(())
-    }
-
-    /// The stretches of the boundary at which the band ends: right edge, crease, left edge.
-    fn end_arcs(
-        &self,
-        sheet: &Sheet,
-        crease: &PlanarCurve,
-    ) -> Result<Vec<(softfold_geometry::LoopId, [f64; 3])>, Problem> {
-        let (right, left) = (&self.lines[0], &self.lines[self.lines.len() - 1]);
-        let mut arcs = Vec::new();
-        for (side, s_mm) in [(0, 0.0), (1, crease.length_mm())] {
-            let (Some(a), Some(b)) = (right.ends[side], left.ends[side]) else { continue };
-            let end = crease.point(s_mm);
-            let (middle, _) = sheet.boundary.nearest(end);
-            if a.loop_id != middle.loop_id || b.loop_id != middle.loop_id {
-                return Err(Problem::Misfit(Misfit::Boundary, end));
-            }
-            arcs.push((a.loop_id, [a.s_mm, middle.s_mm, b.s_mm]));
-        }
-        Ok(arcs)
-    }
-
-    /// Whether a point is in the band's box.
-    fn near(&self, p: DVec2) -> bool {
-        let inside = |(low, high): (DVec2, DVec2)| p.cmpge(low).all() && p.cmple(high).all();
-        let boxes: Vec<_> = self.edges().map(polygon::bounds).collect();
-        let all = boxes.iter().fold(boxes[0], |a, b| (a.0.min(b.0), a.1.max(b.1)));
-        inside(all)
-    }
-
-    fn refuse_self_overlap(&self) -> Result<(), Problem> {
-        let misfit = |at| Err(Problem::Misfit(Misfit::Itself, at));
-        let edges: Vec<&[DVec2]> = self.edges().collect();
-        if let [right, left] = edges[..] {
-            for edge in [right, left] {
-                if let Some(at) = self_crossing(edge, self.closed) {
-                    return misfit(at);
-                }
-            }
-            if let Some(at) = crossings(right, left).next() {
-                return misfit(at);
-            }
-        }
-        Ok(())
+        let edges: Vec<DVec2> =
+            [&lines[0], &lines[lines.len() - 1]].iter().flat_map(|l| l.points.iter().copied()).collect();
+        let inside = sheet
+            .boundary
+            .sides_near(&edges)
+            .filter(|s| !carrying.contains(&s.loop_id))
+            .flat_map(|s| s.ends)
+            .find(|p| self.contains(part, *p));
+        inside.map_or(Ok(()), |p| Err(Problem::Misfit(Misfit::Boundary, p)))
     }
 }
 
-/// Which ends of a crease are on the boundary.
-fn ends_on_boundary(sheet: &Sheet, curve: &PlanarCurve) -> [bool; 2] {
-    let on = |s: f64| sheet.boundary.nearest(curve.point(s)).1 <= sheet.tolerance.join_mm;
-    if curve.is_closed() { [false; 2] } else { [on(0.0), on(curve.length_mm())] }
+/// Where a boundary curve that carries none of the lines crosses a free end of a band.
+fn cap_crossing(sheet: &Sheet, lines: &[FoldLine], carrying: &[LoopId]) -> Option<DVec2> {
+    for side in 0..2 {
+        let end = |l: &FoldLine| if side == 0 { l.points[0] } else { l.points[l.points.len() - 1] };
+        for pair in lines.windows(2).filter(|p| p.iter().any(|l| l.ends[side] == LineEnd::Free)) {
+            let cap = [end(&pair[0]), end(&pair[1])];
+            let others = sheet.boundary.sides_near(&cap).filter(|s| !carrying.contains(&s.loop_id));
+            let crossing =
+                |s: &Side| polygon::segment_crossing(cap[0], cap[1], s.ends[0], s.ends[1]).map(|c| c.0);
+            if let Some(t) = others.filter_map(crossing).reduce(f64::min) {
+                return Some(cap[0].lerp(cap[1], t));
+            }
+        }
+    }
+    None
 }
 
-/// Refuses an edge that reaches the centre of curvature, where the parallel turns back.
-fn refuse_tight(spine: &Spine, half_width_mm: f64) -> Result<(), Problem> {
+/// What a band is made from.
+struct Plan<'a> {
+    sheet: &'a Sheet,
+    crease: &'a Crease,
+    profile: &'a Profile,
+    ends: &'a Ends,
+}
+
+impl Plan<'_> {
+    /// Where the band begins and ends along the crease, mm.
+    fn range_mm(&self) -> [f64; 2] {
+        let [a, b] = self.profile.range_mm;
+        [a + self.ends.cuts_mm[0], b - self.ends.cuts_mm[1]]
+    }
+
+    /// No band is wider than the sheet: refused before it is sampled.
+    fn refuse_wider_than_sheet(&self) -> Result<(), Problem> {
+        let curve = &self.crease.curve;
+        let wide = |s: &f64| self.profile.half_width_mm(*s) > self.sheet.boundary.size_mm();
+        match self.profile.places().chain(self.profile.range_mm).find(wide) {
+            Some(s) => Err(Problem::Misfit(Misfit::Boundary, curve.point(s))),
+            None => Ok(()),
+        }
+    }
+
+    /// The stretches between the junction regions.
+    fn stretches(&self) -> Result<Vec<Stretch>, Problem> {
+        let [a, b] = self.range_mm();
+        let length = self.crease.curve.length_mm();
+        if b - a <= SHORTEST * length {
+            let middle = self.crease.curve.point(0.5 * length);
+            return Err(Problem::Misfit(Misfit::Short, middle));
+        }
+        let clipped = self
+            .profile
+            .stretches
+            .iter()
+            .map(|s| Stretch { s_mm: [s.s_mm[0].max(a), s.s_mm[1].min(b)], ..*s });
+        Ok(clipped.filter(|s| s.s_mm[1] - s.s_mm[0] > SHORTEST * length).collect())
+    }
+
+    fn stops(&self, stretch: &Stretch) -> [Stop; 2] {
+        let range = self.range_mm();
+        [0, 1].map(|side| match stretch.s_mm[side] == range[side] {
+            true => self.stop(stretch, side),
+            false => Stop::Point(LineEnd::Tip),
+        })
+    }
+
+    /// How a stretch ends at an end of the crease.
+    fn stop(&self, stretch: &Stretch, side: usize) -> Stop {
+        let tip = stretch.soft && self.profile.is_tip(stretch.s_mm[side], true);
+        match self.ends.kinds[side] {
+            EndKind::Meeting(j) if self.ends.cuts_mm[side] > 0.0 => Stop::Square(LineEnd::Junction(j)),
+            EndKind::Meeting(j) => Stop::Point(LineEnd::Junction(j)),
+            EndKind::Boundary if tip => {
+                let end = self.crease.curve.end(side);
+                Stop::Point(LineEnd::Boundary(self.sheet.boundary.nearest(end).0))
+            }
+            EndKind::Boundary => Stop::Boundary,
+            EndKind::Free if self.profile.ring => Stop::Square(LineEnd::Closed),
+            EndKind::Free if tip || self.crease.curve.is_closed() => Stop::Point(LineEnd::Tip),
+            EndKind::Free => Stop::Square(LineEnd::Free),
+        }
+    }
+
+    fn sampling(&self, stretches: &[Stretch]) -> Sampling {
+        let [a, b] = self.range_mm();
+        let tolerance = self.sheet.tolerance;
+        let slack = SHORTEST * self.crease.curve.length_mm();
+        let inner = stretches.iter().flat_map(|s| s.s_mm).chain(self.profile.places());
+        let mut places_mm: Vec<f64> = inner.filter(|s| *s > a + slack && *s < b - slack).collect();
+        places_mm.extend([a, b]);
+        places_mm.sort_by(f64::total_cmp);
+        places_mm.dedup();
+        let run_on_mm = [0, 1].map(|side| {
+            let runs = stretches.iter().any(|s| self.stops(s)[side] == Stop::Boundary);
+            let half_width = self.profile.half_width_mm(self.range_mm()[side]);
+            let length = (RUN_ON * half_width).max(LEAST_RUN_ON * self.sheet.boundary.size_mm());
+            if runs { length } else { 0.0 }
+        });
+        let chord_mm = FINEST_CHORD_MM.min(tolerance.join_mm).max(tolerance.chord_mm);
+        Sampling { places_mm, chord_mm, run_on_mm }
+    }
+}
+
+/// Refuses a stretch whose edge reaches the centre of curvature, where the map from the band to the sheet
+/// folds over: `1 − κ o = 0`, however the offset `o` changes along the crease.
+fn refuse_tight(spine: &Spine<'_>, profile: &Profile, stretch: &Stretch) -> Result<(), Problem> {
+    let half = 0.5 * f64::from(profile.band.segments);
+    let length = profile.range_mm;
+    // What is run on belongs to the stretch that it runs on.
+    let low = if stretch.s_mm[0] == length[0] { f64::MIN } else { stretch.s_mm[0] };
+    let high = if stretch.s_mm[1] == length[1] { f64::MAX } else { stretch.s_mm[1] };
+    let first = spine.stations.partition_point(|s| s.s_mm < low);
+    let last = spine.stations.partition_point(|s| s.s_mm <= high);
+    let stations = &spine.stations[first..last];
     let tight = |at| Err(Problem::Misfit(Misfit::Curvature, at));
-    for offset_mm in [-half_width_mm, half_width_mm] {
-        if let Some(s) = spine.stations.iter().find(|s| s.curvature * offset_mm >= 1.0) {
+    for share in [-half, half] {
+        if let Some(s) = stations.iter().find(|s| s.curvature * share * s.strip_mm >= 1.0) {
             return tight(s.point);
         }
-        let parallel = spine.offset_points(offset_mm);
-        for (s, q) in spine.stations.windows(2).zip(parallel.windows(2)) {
-            if (s[1].point - s[0].point).dot(q[1] - q[0]) <= 0.0 {
+        for s in stations.windows(2) {
+            if (s[1].point - s[0].point).dot(s[1].at(share) - s[0].at(share)) <= 0.0 {
                 return tight(s[0].point);
             }
         }
     }
     Ok(())
-}
-
-/// The clipping of a band's fold lines.
-struct Clip<'a> {
-    sheet: &'a Sheet,
-    spine: &'a Spine,
-    /// Which ends are on the boundary.
-    runs: [bool; 2],
-    half_width_mm: f64,
-}
-
-impl Clip<'_> {
-    /// The parallel at `offset_mm` from where it enters the sheet to where it leaves it.
-    fn line(&self, offset_mm: f64, turn_rad: f64) -> Result<FoldLine, Problem> {
-        let points = self.spine.offset_points(offset_mm);
-        let middle = self.spine.middle();
-        let at_middle = along(&points, middle);
-        if offset_mm != 0.0 && !self.sheet.boundary.contains(at_middle) {
-            return Err(Problem::Misfit(Misfit::Boundary, at_middle));
-        }
-        let mut crossings = self.sheet.boundary.crossings(&points);
-        let after = crossings.split_off(crossings.partition_point(|c| c.place <= middle));
-        crossings.reverse();
-        let start = self.end(0, &crossings, &points)?;
-        let end = self.end(1, &after, &points)?;
-        Ok(self.cut(offset_mm, turn_rad, &points, [start, end]))
-    }
-
-    /// The crossing at which a line ends, from those between the middle and beyond the end.
-    fn end(&self, side: usize, outward: &[Crossing], points: &[DVec2]) -> Result<Option<Crossing>, Problem> {
-        let join_mm = self.sheet.tolerance.join_mm;
-        let at = |c: &Crossing| along(points, c.place);
-        let misfit = |p| Err(Problem::Misfit(Misfit::Boundary, p));
-        // Length from the crease's end to the crossing, positive towards the middle.
-        let inward = |c: &Crossing| match side {
-            0 => self.spine.s_mm(c.place),
-            _ => self.spine.length_mm - self.spine.s_mm(c.place),
-        };
-        match (outward.first(), self.runs[side]) {
-            (None, false) => Ok(None),
-            (Some(first), false) => misfit(at(first)),
-            (None, true) => misfit(if side == 0 { points[0] } else { points[points.len() - 1] }),
-            (Some(first), true) => {
-                let shift = inward(first);
-                let returns = |c: &&Crossing| inward(c) > join_mm && shift - inward(c) > join_mm;
-                match outward[1..].iter().find(returns) {
-                    Some(c) => misfit(at(c)),
-                    None if shift.abs() > MOST_SHIFT * self.half_width_mm + join_mm => misfit(at(first)),
-                    None => Ok(Some(*first)),
-                }
-            }
-        }
-    }
-
-    fn cut(&self, offset_mm: f64, turn_rad: f64, points: &[DVec2], ends: [Option<Crossing>; 2]) -> FoldLine {
-        let [start, end] = ends.map(|c| c.map(|c| self.sheet.boundary.meet(self.spine, offset_mm, c)));
-        let first = ends[0].map_or(0, |c| c.place as usize + 1);
-        let last = ends[1].map_or(points.len(), |c| c.place.ceil() as usize);
-        // Stations that almost coincide with the exact ends would make slivers.
-        let apart = |p: &DVec2| {
-            [start, end].iter().flatten().all(|(e, _)| e.distance(*p) > self.sheet.tolerance.chord_mm)
-        };
-        let inner = points.get(first..last).unwrap_or_default().iter().copied().filter(apart);
-        let point = |e: Option<(DVec2, OutlinePoint)>| e.map(|e| e.0);
-        let points: Vec<DVec2> = point(start).into_iter().chain(inner).chain(point(end)).collect();
-        let turns_rad = vec![turn_rad; points.len()];
-        FoldLine { offset_mm, points, turns_rad, ends: [start, end].map(|e| e.map(|e| e.1)) }
-    }
-}
-
-/// A point near the middle of a polyline, never an end.
-fn middle_of(points: &[DVec2]) -> DVec2 {
-    0.5 * (points[(points.len() - 1) / 2] + points[points.len() / 2])
-}
-
-/// The point of a polyline at a place: piece number plus share of the piece.
-fn along(points: &[DVec2], place: f64) -> DVec2 {
-    let k = (place as usize).min(points.len() - 2);
-    points[k].lerp(points[k + 1], place - k as f64)
-}
-
-/// Where two polylines cross.
-fn crossings<'a>(a: &'a [DVec2], b: &'a [DVec2]) -> impl Iterator<Item = DVec2> + 'a {
-    let (low, high) = polygon::bounds(b);
-    let near = move |w: &&[DVec2]| w[0].max(w[1]).cmpge(low).all() && w[0].min(w[1]).cmple(high).all();
-    a.windows(2).filter(near).flat_map(move |w| {
-        b.windows(2).filter_map(move |v| {
-            let apart =
-                w[0].max(w[1]).cmplt(v[0].min(v[1])).any() || w[0].min(w[1]).cmpgt(v[0].max(v[1])).any();
-            if apart {
-                return None;
-            }
-            polygon::segment_crossing(w[0], w[1], v[0], v[1]).map(|(t, _)| w[0].lerp(w[1], t))
-        })
-    })
-}
-
-/// Where a polyline crosses itself.
-fn self_crossing(points: &[DVec2], closed: bool) -> Option<DVec2> {
-    let n = points.len() - 1;
-    (0..n).find_map(|i| {
-        let last = if closed && i == 0 { n - 1 } else { n };
-        let rest = points.get(i + 2..=last).unwrap_or_default();
-        crossings(&points[i..=i + 1], rest).next()
-    })
-}
-
-fn is_end(line: &[DVec2], p: DVec2, slack_mm: f64) -> bool {
-    [line[0], line[line.len() - 1]].iter().any(|e| e.distance(p) <= slack_mm)
 }

@@ -1,29 +1,30 @@
-//! A crease sampled for its parallel curves, run on past its ends.
+//! A crease sampled for the fold lines of its band, run on past its ends where they reach the boundary.
 //!
-//! The parallel at offset `o` is `p + o·n` with `n` the left normal. Where the crease has a corner, `n`
-//! is the mitre, so that parallels of polylines are polylines with parallel sides.
+//! The fold line of share `c` is `p(s) + c x(s) n(s)` with `n` the left normal and `x` the width of a strip.
+//! Where the crease has a corner, `n` is the mitre, so that parallels of polylines are polylines with
+//! parallel sides.
 
 use crate::Fault;
-use softfold_geometry::{DVec2, PlanarCurve, Segment};
+use crate::path::Path;
+use crate::profile::Profile;
+use crate::run_on::run_on;
+use softfold_geometry::{DVec2, PlanarCurve, polygon};
 
 /// Sharpest corner of a crease that is taken as a drawn approximation of a curve, rad (60°).
 const SHARPEST_CORNER_RAD: f64 = 1.05;
-/// A crease is run on with its curvature only if its band keeps this far from the centre of curvature: half
-/// width by radius. The ends of drawn curves can have any curvature.
-const TIGHTEST_RUN_ON: f64 = 0.5;
-/// Most by which the arc that runs a crease on turns, rad.
-const WIDEST_RUN_ON_RAD: f64 = 1.0;
-/// Longest cubic of such an arc, rad: radial error below 1e-9 of the radius.
-const ARC_PIECE_RAD: f64 = 0.15;
-/// Halvings of a segment at most when sampling: 2^12 pieces.
+/// Halvings of a piece at most when sampling: 2^12 pieces.
 const MOST_HALVINGS: u32 = 12;
-/// Halvings at least, so that no bend between two test points is missed.
-const LEAST_HALVINGS: u32 = 2;
+/// Halvings of a curved piece at least, so that no bend between two test points is missed.
+const LEAST_HALVINGS: u32 = 1;
+/// Where the distance of a chord from its curve is tested, as shares of the piece.
+const TESTED: [f64; 3] = [0.25, 0.5, 0.75];
+/// Places closer than this share of the crease are one: the accuracy of arc lengths.
+const SAME_PLACE: f64 = 1e-9;
 
 /// A sample of the crease.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Station {
-    /// Length along the samples, mm; below 0 and above the crease's length where it is run on.
+    /// Arc length, mm; outside the crease where it is run on.
     pub(crate) s_mm: f64,
     /// Point on the crease.
     pub(crate) point: DVec2,
@@ -31,267 +32,221 @@ pub(crate) struct Station {
     pub(crate) normal: DVec2,
     /// Curvature, 1/mm, positive to the left.
     pub(crate) curvature: f64,
+    /// Width of a strip, mm.
+    pub(crate) strip_mm: f64,
 }
 
-/// The exact curve between two stations: a cubic's parameter range, or none if it is straight.
-type Arc = Option<(Cubic, [f64; 2])>;
+/// Part of a path, with the arc lengths of its ends on the crease.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    path: Path,
+    t: [f64; 2],
+    s_mm: [f64; 2],
+}
 
 /// A sampled crease.
 #[derive(Clone, Debug)]
-pub(crate) struct Spine {
+pub(crate) struct Spine<'a> {
+    profile: &'a Profile,
     pub(crate) stations: Vec<Station>,
-    arcs: Vec<Arc>,
-    /// Length of the sampled crease, without what it is run on by, mm.
-    pub(crate) length_mm: f64,
-    pub(crate) closed: bool,
+    /// What lies between two stations.
+    spans: Vec<Span>,
 }
 
-/// How a crease is sampled.
-#[derive(Clone, Copy, Debug)]
+/// What is sampled, and how finely.
+#[derive(Clone, Debug)]
 pub(crate) struct Sampling {
-    /// Largest offset, mm.
-    pub(crate) half_width_mm: f64,
-    /// Largest distance of the parallels from their polylines, mm.
+    /// Places that must be stations, ascending; the first and the last bound what is sampled.
+    pub(crate) places_mm: Vec<f64>,
+    /// Largest distance of the fold lines from their polylines, mm.
     pub(crate) chord_mm: f64,
     /// By how much start and end are run on past the crease, mm.
     pub(crate) run_on_mm: [f64; 2],
 }
 
-impl Spine {
+impl<'a> Spine<'a> {
     /// Samples a crease.
     ///
     /// # Errors
-    /// A corner sharper than [`SHARPEST_CORNER_RAD`].
-    pub(crate) fn new(curve: &PlanarCurve, sampling: &Sampling) -> Result<Self, Fault> {
-        let mut spine =
-            Self { stations: Vec::new(), arcs: Vec::new(), length_mm: 0.0, closed: curve.is_closed() };
-        let [before, after] = [0, 1].map(|side| run_on(curve, side, sampling));
-        let start_mm = spine.append_all(&before, sampling)?;
-        let end_mm = spine.append_all(curve.segments(), sampling)?;
-        spine.append_all(&after, sampling)?;
-        spine.length_mm = end_mm - start_mm;
-        for station in &mut spine.stations {
-            station.s_mm -= start_mm;
+    /// A corner sharper than [`SHARPEST_CORNER_RAD`] on a soft stretch.
+    pub(crate) fn new(curve: &PlanarCurve, profile: &'a Profile, sampling: &Sampling) -> Result<Self, Fault> {
+        let mut spine = Self { profile, stations: Vec::new(), spans: Vec::new() };
+        let mut spans = run_on_spans(curve, profile, sampling, 0);
+        spans.extend(spans_between(curve, &sampling.places_mm));
+        spans.extend(run_on_spans(curve, profile, sampling, 1));
+        for span in spans {
+            spine.append(&span, sampling.chord_mm)?;
         }
-        if spine.closed {
-            spine.close(sampling)?;
+        if profile.ring {
+            spine.close()?;
         }
         Ok(spine)
     }
 
-    /// Stretches between stations.
-    pub(crate) fn pieces(&self) -> usize {
-        self.arcs.len()
+    /// The station at a place that was asked for.
+    pub(crate) fn index_of(&self, s_mm: f64) -> usize {
+        self.stations.partition_point(|s| s.s_mm < s_mm).min(self.stations.len() - 1)
     }
 
-    /// The middle of the crease: piece number plus share of the piece.
-    pub(crate) fn middle(&self) -> f64 {
-        let half = 0.5 * self.length_mm;
-        let k = self.stations.partition_point(|s| s.s_mm <= half).clamp(1, self.pieces()) - 1;
-        let [a, b] = [self.stations[k].s_mm, self.stations[k + 1].s_mm];
-        k as f64 + (half - a) / (b - a)
+    /// A fold line's points at a range of stations.
+    pub(crate) fn points(&self, share: f64, stations: std::ops::RangeInclusive<usize>) -> Vec<DVec2> {
+        self.stations[stations].iter().map(|s| s.at(share)).collect()
     }
 
-    /// Length along the samples at a place: piece number plus share of the piece.
-    pub(crate) fn s_mm(&self, place: f64) -> f64 {
-        let k = (place.max(0.0) as usize).min(self.pieces() - 1);
-        let [a, b] = [self.stations[k].s_mm, self.stations[k + 1].s_mm];
-        a + (place - k as f64) * (b - a)
-    }
-
-    /// The parallel's points at the stations.
-    pub(crate) fn offset_points(&self, offset_mm: f64) -> Vec<DVec2> {
-        self.stations.iter().map(|s| s.point + offset_mm * s.normal).collect()
-    }
-
-    /// The exact parallel at share `t` of piece `k`.
-    pub(crate) fn parallel(&self, k: usize, t: f64, offset_mm: f64) -> DVec2 {
-        let [a, b] = [&self.stations[k], &self.stations[k + 1]];
-        let Some((cubic, [t0, t1])) = &self.arcs[k] else {
-            return (a.point + offset_mm * a.normal).lerp(b.point + offset_mm * b.normal, t);
-        };
+    /// The exact point of a fold line at share `t` of piece `k`, and its foot's arc length.
+    pub(crate) fn exact(&self, k: usize, t: f64, share: f64) -> (DVec2, f64) {
+        let ([a, b], span) = ([&self.stations[k], &self.stations[k + 1]], &self.spans[k]);
+        let u = span.t[0] + t * (span.t[1] - span.t[0]);
+        let s_mm = span.s_mm_at(u);
+        let offset_mm = if share == 0.0 { 0.0 } else { share * self.profile.strip_width_mm(s_mm) };
         // A mitre at an end of the piece fades out towards the other end.
-        let mitre = (a.normal - cubic.normal(*t0)).lerp(b.normal - cubic.normal(*t1), t);
-        let u = t0 + t * (t1 - t0);
-        cubic.point(u) + offset_mm * (cubic.normal(u) + mitre)
+        let mitre = (a.normal - span.path.normal(span.t[0])).lerp(b.normal - span.path.normal(span.t[1]), t);
+        (span.path.point(u) + offset_mm * (span.path.normal(u) + mitre), s_mm)
     }
 
-    /// Appends segments; the length so far.
-    fn append_all(&mut self, segments: &[Segment], sampling: &Sampling) -> Result<f64, Fault> {
-        for segment in segments {
-            self.append(segment, sampling)?;
-        }
-        Ok(self.stations.last().map_or(0.0, |s| s.s_mm))
+    fn station(&self, span: &Span, t: f64, s_mm: f64) -> Station {
+        let strip_mm = self.profile.strip_width_mm(s_mm);
+        let (point, normal) = (span.path.point(t), span.path.normal(t));
+        Station { s_mm, point, normal, curvature: span.path.curvature(t), strip_mm }
     }
 
-    fn append(&mut self, segment: &Segment, sampling: &Sampling) -> Result<(), Fault> {
-        let samples = match *segment {
-            Segment::Line { from, to } => {
-                let normal = (to - from).normalize_or_zero().perp();
-                let end =
-                    |point| Sample { station: Station { s_mm: 0.0, point, normal, curvature: 0.0 }, t: None };
-                vec![end(from), end(to)]
-            }
-            Segment::Cubic { from, c1, c2, to } => {
-                let cubic = Cubic([from, c1, c2, to]);
-                let ts = cubic.sampled(sampling);
-                ts.iter().map(|&t| Sample { station: cubic.station(t), t: Some((cubic, t)) }).collect()
-            }
-        };
-        if let Some(last) = self.stations.last_mut() {
-            last.normal = mitred(last.normal, samples[0].station.normal, last.point, sampling)?;
-        } else {
-            self.stations.push(samples[0].station);
+    fn append(&mut self, span: &Span, chord_mm: f64) -> Result<(), Fault> {
+        let first = self.station(span, span.t[0], span.s_mm[0]);
+        match self.stations.last_mut() {
+            Some(last) => last.normal = mitred(last.normal, &first)?,
+            None => self.stations.push(first),
         }
-        for pair in samples.windows(2) {
-            let before = self.stations[self.stations.len() - 1];
-            let s_mm = before.s_mm + before.point.distance(pair[1].station.point);
-            self.stations.push(Station { s_mm, ..pair[1].station });
-            let arc = pair[0].t.zip(pair[1].t).map(|((cubic, t0), (_, t1))| (cubic, [t0, t1]));
-            self.arcs.push(arc);
-        }
+        self.sample(span, 0, chord_mm);
         Ok(())
     }
 
-    fn close(&mut self, sampling: &Sampling) -> Result<(), Fault> {
-        let last = self.stations.len() - 1;
+    fn sample(&mut self, span: &Span, halvings: u32, chord_mm: f64) {
+        let enough = halvings >= LEAST_HALVINGS || span.path.is_line();
+        if (enough && self.is_flat(span, chord_mm)) || halvings == MOST_HALVINGS {
+            self.stations.push(self.station(span, span.t[1], span.s_mm[1]));
+            self.spans.push(*span);
+            return;
+        }
+        let t = 0.5 * (span.t[0] + span.t[1]);
+        let s_mm = span.s_mm_at(t);
+        self.sample(&Span { t: [span.t[0], t], s_mm: [span.s_mm[0], s_mm], ..*span }, halvings + 1, chord_mm);
+        self.sample(&Span { t: [t, span.t[1]], s_mm: [s_mm, span.s_mm[1]], ..*span }, halvings + 1, chord_mm);
+    }
+
+    /// Whether chords stand for the crease and both edges of its band; all fold lines lie between them.
+    fn is_flat(&self, span: &Span, chord_mm: f64) -> bool {
+        let half = 0.5 * f64::from(self.profile.band.segments);
+        let [a, b] = [0, 1].map(|i| self.station(span, span.t[i], span.s_mm[i]));
+        let straight = span.path.is_line();
+        if straight && a.strip_mm == 0.0 && b.strip_mm == 0.0 && self.is_sharp(span) {
+            return true;
+        }
+        let tested = TESTED.map(|share| {
+            let t = span.t[0] + share * (span.t[1] - span.t[0]);
+            self.station(span, t, span.s_mm_at(t))
+        });
+        [-half, 0.0, half].into_iter().all(|share| {
+            let [a, b] = [a.at(share), b.at(share)];
+            tested.iter().all(|m| polygon::segment_distance(m.at(share), a, b) <= chord_mm)
+        })
+    }
+
+    fn is_sharp(&self, span: &Span) -> bool {
+        self.profile.strip_width_mm(0.5 * (span.s_mm[0] + span.s_mm[1])) == 0.0
+    }
+
+    fn close(&mut self) -> Result<(), Fault> {
         let first = self.stations[0];
-        let normal = mitred(self.stations[last].normal, first.normal, first.point, sampling)?;
-        self.stations[last].normal = normal;
-        self.stations[last].point = first.point;
+        let last = self.stations.len() - 1;
+        let normal = mitred(self.stations[last].normal, &first)?;
+        // The arc length stays: radius and angle are the same there.
+        let s_mm = self.stations[last].s_mm;
         self.stations[0].normal = normal;
+        self.stations[last] = Station { s_mm, normal, ..first };
         Ok(())
     }
 }
 
-/// What runs a crease on past one end: an arc of the curvature that it ends with, so that parallels of
-/// a circle stay circles, then a straight piece.
-fn run_on(curve: &PlanarCurve, side: usize, sampling: &Sampling) -> Vec<Segment> {
-    let length_mm = sampling.run_on_mm[side];
-    if length_mm <= 0.0 {
-        return Vec::new();
+impl Station {
+    /// The point of a fold line.
+    pub(crate) fn at(&self, share: f64) -> DVec2 {
+        if share == 0.0 { self.point } else { self.point + share * self.strip_mm * self.normal }
     }
-    // Seen from the end, outwards: running backwards turns direction and curvature round.
-    let (s_mm, sign) = if side == 0 { (0.0, -1.0) } else { (curve.length_mm(), 1.0) };
-    let (mut at, mut direction) = (curve.point(s_mm), sign * curve.tangent(s_mm));
-    let mut curvature = sign * curve.curvature(s_mm);
-    let reach = curvature.abs() * sampling.half_width_mm;
-    if !reach.is_finite() || reach > TIGHTEST_RUN_ON {
-        curvature = 0.0;
+}
+
+impl Span {
+    fn s_mm_at(&self, t: f64) -> f64 {
+        if t == self.t[1] {
+            return self.s_mm[1];
+        }
+        let share = self.path.arc_mm([self.t[0], t]) / self.path.arc_mm(self.t);
+        self.s_mm[0] + share * (self.s_mm[1] - self.s_mm[0])
     }
-    let mut segments = Vec::new();
-    let arc_mm = length_mm.min(WIDEST_RUN_ON_RAD / curvature.abs());
-    if curvature != 0.0 {
-        let pieces = (arc_mm * curvature.abs() / ARC_PIECE_RAD).ceil();
-        for _ in 0..pieces as usize {
-            let segment = circular(at, direction, curvature, arc_mm / pieces);
-            direction = direction.rotate(DVec2::from_angle(curvature * arc_mm / pieces));
-            at = segment.to();
-            segments.push(segment);
+}
+
+/// The parts of a crease between neighbouring places and joints of its segments. Places beyond the length
+/// of a closed crease go on from its start.
+fn spans_between(curve: &PlanarCurve, places_mm: &[f64]) -> Vec<Span> {
+    let (length, joints) = (curve.length_mm(), curve.joints_mm());
+    let slack = SAME_PLACE * length;
+    let mut all = places_mm.to_vec();
+    let [low, high] = [places_mm[0], places_mm[places_mm.len() - 1]];
+    for joint in joints.iter().flat_map(|j| [*j, j + length]) {
+        let i = places_mm.partition_point(|p| *p < joint);
+        let near = [i.checked_sub(1), Some(i)].into_iter().flatten().filter_map(|i| places_mm.get(i));
+        if joint > low && joint < high && near.into_iter().all(|p| (p - joint).abs() > slack) {
+            all.push(joint);
         }
     }
-    if length_mm > arc_mm || curvature == 0.0 {
-        let rest = if curvature == 0.0 { length_mm } else { length_mm - arc_mm };
-        segments.push(Segment::Line { from: at, to: at + rest * direction });
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all.windows(2).map(|w| span_of(curve, [w[0], w[1]], slack)).collect()
+}
+
+/// The part of one segment between two places.
+fn span_of(curve: &PlanarCurve, s_mm: [f64; 2], slack: f64) -> Span {
+    let (length, joints) = (curve.length_mm(), curve.joints_mm());
+    let middle = 0.5 * (s_mm[0] + s_mm[1]);
+    let lap = if middle > length { length } else { 0.0 };
+    let segments = curve.segments();
+    let i = joints.partition_point(|j| *j <= middle - lap).clamp(1, segments.len()) - 1;
+    let path = Path::from(&segments[i]);
+    let parameter = |s: f64| match s - lap {
+        s if s <= joints[i] + slack => 0.0,
+        s if s >= joints[i + 1] - slack => 1.0,
+        s => path.parameter(s - joints[i]),
+    };
+    Span { path, t: s_mm.map(parameter), s_mm }
+}
+
+fn run_on_spans(curve: &PlanarCurve, profile: &Profile, sampling: &Sampling, side: usize) -> Vec<Span> {
+    let edge_mm = [0.0, curve.length_mm()][side];
+    let half_width_mm = profile.half_width_mm(edge_mm);
+    let segments = run_on(curve, side, half_width_mm, sampling.run_on_mm[side]);
+    let paths: Vec<Path> = segments.iter().map(Path::from).collect();
+    let total: f64 = paths.iter().map(|p| p.arc_mm([0.0, 1.0])).sum();
+    let mut s_mm = if side == 0 { -total } else { edge_mm };
+    let mut spans = Vec::with_capacity(paths.len());
+    for path in paths {
+        let end = s_mm + path.arc_mm([0.0, 1.0]);
+        spans.push(Span { path, t: [0.0, 1.0], s_mm: [s_mm, end] });
+        s_mm = end;
     }
-    match side {
-        0 => segments.iter().rev().map(Segment::reversed).collect(),
-        _ => segments,
+    if let (0, Some(last)) = (side, spans.last_mut()) {
+        last.s_mm[1] = 0.0;
     }
+    spans
 }
 
-/// A short arc as a cubic: control points a third of the way, `4/3 tan(φ/4)` of the radius.
-fn circular(from: DVec2, direction: DVec2, curvature: f64, length_mm: f64) -> Segment {
-    let angle = curvature * length_mm;
-    let out = direction.rotate(DVec2::from_angle(angle));
-    // Chord of an arc: 2 sin(φ/2)/κ towards half the angle.
-    let to =
-        from + direction.rotate(DVec2::from_angle(0.5 * angle)) * (2.0 * (0.5 * angle).sin() / curvature);
-    let control = 4.0 / 3.0 * (0.25 * angle).tan() / curvature;
-    Segment::Cubic { from, c1: from + control * direction, c2: to - control * out, to }
-}
-
-struct Sample {
-    station: Station,
-    t: Option<(Cubic, f64)>,
-}
-
-/// The mitre of two normals. A crease without width may have any corner.
-fn mitred(a: DVec2, b: DVec2, at: DVec2, sampling: &Sampling) -> Result<DVec2, Fault> {
-    if sampling.half_width_mm == 0.0 {
+/// The mitre of a normal and that of the station it meets. A crease without width may have any corner.
+fn mitred(a: DVec2, next: &Station) -> Result<DVec2, Fault> {
+    let b = next.normal;
+    if next.strip_mm == 0.0 || a == b {
         return Ok(b);
     }
     let turn_rad = a.angle_to(b);
     if turn_rad.abs() > SHARPEST_CORNER_RAD {
-        return Err(Fault::Corner { at, turn_rad });
+        return Err(Fault::Corner { at: next.point, turn_rad });
     }
     Ok((a + b) / (1.0 + a.dot(b)))
-}
-
-/// A cubic Bézier by its control points.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Cubic(pub(crate) [DVec2; 4]);
-
-impl Cubic {
-    pub(crate) fn point(&self, t: f64) -> DVec2 {
-        let [a, b, c, d] = self.0;
-        let s = 1.0 - t;
-        s * s * s * a + 3.0 * s * s * t * b + 3.0 * s * t * t * c + t * t * t * d
-    }
-
-    fn first(&self, t: f64) -> DVec2 {
-        let [a, b, c, d] = self.0;
-        let s = 1.0 - t;
-        3.0 * (s * s * (b - a) + 2.0 * s * t * (c - b) + t * t * (d - c))
-    }
-
-    fn second(&self, t: f64) -> DVec2 {
-        let [a, b, c, d] = self.0;
-        6.0 * ((1.0 - t) * (a - 2.0 * b + c) + t * (b - 2.0 * c + d))
-    }
-
-    /// Left unit normal; where a control point lies on its end, the limit from inside.
-    fn normal(&self, t: f64) -> DVec2 {
-        let towards_middle = if t < 0.5 { 1.0 } else { -1.0 };
-        let direction = self.first(t).try_normalize();
-        let limit = || (self.second(t) * towards_middle).normalize_or_zero();
-        direction.unwrap_or_else(limit).perp()
-    }
-
-    fn curvature(&self, t: f64) -> f64 {
-        let (d, dd) = (self.first(t), self.second(t));
-        let speed = d.length();
-        if speed > 0.0 { d.perp_dot(dd) / (speed * speed * speed) } else { 0.0 }
-    }
-
-    fn station(&self, t: f64) -> Station {
-        Station { s_mm: 0.0, point: self.point(t), normal: self.normal(t), curvature: self.curvature(t) }
-    }
-
-    /// Parameters at which the crease and both edges of the band stay within the chord tolerance.
-    fn sampled(&self, sampling: &Sampling) -> Vec<f64> {
-        let mut ts = vec![0.0];
-        self.sample([0.0, 1.0], 0, sampling, &mut ts);
-        ts
-    }
-
-    fn sample(&self, [t0, t1]: [f64; 2], halvings: u32, sampling: &Sampling, ts: &mut Vec<f64>) {
-        let flat = halvings >= LEAST_HALVINGS && self.is_flat([t0, t1], sampling);
-        if flat || halvings == MOST_HALVINGS {
-            ts.push(t1);
-            return;
-        }
-        let middle = 0.5 * (t0 + t1);
-        self.sample([t0, middle], halvings + 1, sampling, ts);
-        self.sample([middle, t1], halvings + 1, sampling, ts);
-    }
-
-    fn is_flat(&self, [t0, t1]: [f64; 2], sampling: &Sampling) -> bool {
-        let h = sampling.half_width_mm;
-        [-h, 0.0, h].into_iter().all(|o| {
-            let at = |t: f64| self.point(t) + o * self.normal(t);
-            let (a, m, b) = (at(t0), at(0.5 * (t0 + t1)), at(t1));
-            softfold_geometry::polygon::segment_distance(m, a, b) <= sampling.chord_mm
-        })
-    }
 }

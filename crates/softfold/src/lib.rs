@@ -3,16 +3,19 @@
 //! [`project`] says what is asked for, [`stages`] runs the stages in their order, [`record`] turns their results into
 //! the [`report`], [`files`] writes them through [`export`] into a folder that [`output`] swaps in when it is whole.
 
+pub mod diagnose;
 pub mod error;
 pub mod export;
 pub mod files;
 pub mod goals;
 pub mod output;
+pub mod patterns;
 pub mod pictures;
 pub mod progress;
 pub mod project;
 pub mod record;
 pub mod report;
+mod softness;
 pub mod stages;
 pub mod starter;
 

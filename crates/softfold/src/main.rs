@@ -1,10 +1,13 @@
 //! The program `softfold`.
 use clap::{Args, Parser, Subcommand};
+use softfold::patterns::{self, WriteOptions};
 use softfold::progress::{Bars, Events, Lines, Progress, Quiet};
+use softfold::project::{Outline, Read, Roles};
 use softfold::report::{json::Report, summary};
-use softfold::{Loaded, RunError, Stage, files, output, starter};
+use softfold::{Loaded, RunError, Stage, diagnose, files, output, starter};
+use softfold_pattern::{DxfVersion, PatternFile, ReadOptions};
 use std::io::{IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// A line on standard output. A closed pipe must not end the run: whoever listens has heard enough.
@@ -32,8 +35,12 @@ const EXIT_STATUS: &str = "Exit status: 0 done, 1 the input is at fault, 2 wrong
 enum Command {
     /// Everything: pattern, bands, mesh, folding, surface, board, mold, files and report
     Run(Job),
-    /// Read the project and its pattern, soften the creases, and say what was found
-    Check(Project),
+    /// Read a pattern (svg, fold, dxf, cp, opx, ori), or a project with its pattern and bands, and say what was found
+    Check(Check),
+    /// Write a pattern in another format: svg, fold, dxf or cp, by the ending of the name
+    Convert(Convert),
+    /// Soften the creases of a project and write the bands as SVG, with turns and radii, to be checked
+    Soften(Soften),
     /// Up to the flat mesh
     Mesh(Job),
     /// Up to the folded sheet and its figures
@@ -57,6 +64,86 @@ enum Command {
 struct Project {
     /// The project file
     project: PathBuf,
+    #[command(flatten)]
+    voice: Voice,
+}
+
+#[derive(Args)]
+struct Check {
+    /// The pattern or the project file
+    file: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
+    #[command(flatten)]
+    voice: Voice,
+}
+
+#[derive(Args)]
+struct Convert {
+    /// The pattern
+    from: PathBuf,
+    /// The new file
+    to: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
+    /// Largest distance between a curve and the lines that stand for it, mm
+    #[arg(long, default_value_t = WriteOptions::CHORD_MM)]
+    chord_mm: f64,
+    /// Version of DXF files
+    #[arg(long, default_value = "r2000")]
+    dxf: Dxf,
+    /// Replace the new file if it is there already
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    voice: Voice,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Dxf {
+    R12,
+    R2000,
+}
+
+/// How a pattern is read; projects say it in [read] and [roles].
+#[derive(Args)]
+struct Reading {
+    /// Millimetres per unit of a file without a physical size
+    #[arg(long)]
+    unit_mm: Option<f64>,
+    /// What is the outline
+    #[arg(long)]
+    outline: Option<Outline>,
+    /// Which of several sheets, from 1 by falling area
+    #[arg(long)]
+    sheet: Option<usize>,
+    /// Which frame of a FOLD file, from 0
+    #[arg(long)]
+    frame: Option<usize>,
+    /// Refit dense polylines by smooth curves within this, mm; 0: never
+    #[arg(long)]
+    refit_mm: Option<f64>,
+    /// Join ends closer than this, mm
+    #[arg(long)]
+    join_mm: Option<f64>,
+    /// Refuse gaps wider than this, mm
+    #[arg(long)]
+    refuse_mm: Option<f64>,
+    /// What a line is: #rrggbb=V, layer:NAME=M or id:NAME=ignore; may be repeated
+    #[arg(long = "role", value_name = "KEY=ROLE")]
+    roles: Vec<String>,
+}
+
+#[derive(Args)]
+struct Soften {
+    /// The project file
+    project: PathBuf,
+    /// The SVG to write
+    #[arg(long, default_value = "bands.svg")]
+    out: PathBuf,
+    /// Replace the file if it is there already
+    #[arg(long)]
+    force: bool,
     #[command(flatten)]
     voice: Voice,
 }
@@ -116,7 +203,10 @@ fn execute(command: Command) -> Result<u8, RunError> {
         Command::Fold(job) => run(&job, Stage::Analyse),
         Command::Surface(job) => run(&job, Stage::Surface),
         Command::Board(job) => run(&job, Stage::Stability),
-        Command::Check(project) => check(&project),
+        Command::Check(job) if patterns::format_of(&job.file).is_some() => check_pattern(&job),
+        Command::Check(job) => check_project(&job),
+        Command::Convert(job) => convert(&job),
+        Command::Soften(job) => soften(&job),
         Command::Crosscheck(project) => crosscheck(&project),
         Command::New { folder } => {
             starter::write(&folder)?;
@@ -165,17 +255,108 @@ fn tell(job: &Job, report: &Report) {
     }
 }
 
-fn check(job: &Project) -> Result<u8, RunError> {
-    let loaded = Loaded::read(&job.project)?;
-    let results = softfold::run(&loaded, Stage::Soften, job.voice.progress().as_mut())?;
-    for issue in &results.issues {
-        match job.voice.json {
+impl Reading {
+    /// The options, with a fault of the command line as an error.
+    fn options(&self) -> Result<ReadOptions, RunError> {
+        let mut roles = Roles::default();
+        self.roles.iter().try_for_each(|r| roles.add(r)).map_err(RunError::Input)?;
+        let lengths =
+            [("--unit-mm", self.unit_mm), ("--join-mm", self.join_mm), ("--refuse-mm", self.refuse_mm)];
+        let bad = |v: f64| !(v.is_finite() && v > 0.0);
+        if let Some((name, v)) = lengths.iter().find_map(|(n, v)| Some((n, (*v).filter(|v| bad(*v))?))) {
+            return Err(RunError::Input(format!("{name} is {v}; give a positive length in mm")));
+        }
+        if let Some(v) = self.refit_mm.filter(|v| !(v.is_finite() && *v >= 0.0)) {
+            return Err(RunError::Input(format!("--refit-mm is {v}; give a length in mm, 0 for never")));
+        }
+        let read = Read {
+            unit_mm: self.unit_mm,
+            outline: self.outline.unwrap_or_default(),
+            sheet: self.sheet,
+            frame: self.frame,
+            refit_mm: self.refit_mm,
+            join_mm: self.join_mm,
+            refuse_mm: self.refuse_mm,
+        };
+        Ok(read.options(roles.map().unwrap_or_default()))
+    }
+}
+
+/// Tells the issues of a file: as JSON, one a line, or as people read them.
+fn tell_issues(issues: &[softfold_geometry::Issue], path: &Path, bytes: &[u8], voice: &Voice) {
+    let text = String::from_utf8_lossy(bytes);
+    let colour = std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    for issue in issues.iter().filter(|_| !voice.quiet) {
+        match voice.json {
             true => say!("{}", serde_json::json!(softfold::report::json::Issue::from(issue))),
-            false => say!("{:?}: {issue}", issue.severity),
+            false => say!("{}\n", diagnose::show(issue, &path.display().to_string(), &text, colour)),
         }
     }
+}
+
+/// Reads a pattern and tells its issues.
+fn read_pattern(path: &Path, reading: &Reading, voice: &Voice) -> Result<PatternFile, RunError> {
+    let options = reading.options()?;
+    let (bytes, format) = patterns::load(path, "give the path of a pattern")?;
+    let read = patterns::read(&bytes, format, path, &options);
+    tell_issues(read.as_ref().map_or_else(|e| &e.issues, |f| &f.issues), path, &bytes, voice);
+    let file = read.map_err(|e| RunError::from_issue(path, e.error.issue()))?;
+    file.pattern.check().map_err(|e| RunError::Defect(e.to_string()))?;
+    Ok(file)
+}
+
+fn check_pattern(job: &Check) -> Result<u8, RunError> {
+    let file = read_pattern(&job.file, &job.reading, &job.voice)?;
+    let [notes, warnings, _] = patterns::tally(&file.issues);
+    if job.voice.json {
+        let p = &file.pattern;
+        let (creases, junctions) = (p.creases.len(), p.junctions().len());
+        say!(
+            "{}",
+            serde_json::json!({ "event": "checked", "area_mm2": p.area_mm2(), "creases": creases, "junctions": junctions,
+                "holes": p.holes.len(), "slits": p.slits.len(), "notes": notes, "warnings": warnings })
+        );
+    } else if !job.voice.quiet {
+        say!("{}", patterns::describe(&file.pattern));
+        say!("{}: readable; notes: {notes}, warnings: {warnings}", job.file.display());
+    }
+    Ok(0)
+}
+
+fn check_project(job: &Check) -> Result<u8, RunError> {
+    let loaded = Loaded::read(&job.file)?;
+    let results = softfold::run(&loaded, Stage::Soften, job.voice.progress().as_mut())?;
+    tell_issues(&results.issues, &loaded.pattern_path, &loaded.pattern_bytes, &job.voice);
     if !job.voice.json && !job.voice.quiet {
-        say!("{}: fine; remarks: {}", job.project.display(), results.issues.len());
+        say!("{}: fine; remarks: {}", job.file.display(), results.issues.len());
+    }
+    Ok(0)
+}
+
+fn convert(job: &Convert) -> Result<u8, RunError> {
+    if !(job.chord_mm.is_finite() && job.chord_mm > 0.0) {
+        return Err(RunError::Input(format!("--chord-mm is {}; give a positive length in mm", job.chord_mm)));
+    }
+    let file = read_pattern(&job.from, &job.reading, &job.voice)?;
+    let dxf = match job.dxf {
+        Dxf::R12 => DxfVersion::R12,
+        Dxf::R2000 => DxfVersion::R2000,
+    };
+    let text = patterns::text_of(&file.pattern, &job.to, &WriteOptions { chord_mm: job.chord_mm, dxf })?;
+    patterns::write(&job.to, &text, job.force)?;
+    if !job.voice.json && !job.voice.quiet {
+        say!("{}\nwrote {}", patterns::describe(&file.pattern), job.to.display());
+    }
+    Ok(0)
+}
+
+fn soften(job: &Soften) -> Result<u8, RunError> {
+    let loaded = Loaded::read(&job.project)?;
+    let results = softfold::run(&loaded, Stage::Soften, job.voice.progress().as_mut())?;
+    let (Some(pattern), Some(soft)) = (&results.pattern, &results.soft) else { return Ok(0) };
+    patterns::write(&job.out, &softfold_soften::write_svg(pattern, soft), job.force)?;
+    if !job.voice.json && !job.voice.quiet {
+        say!("wrote {}", job.out.display());
     }
     Ok(0)
 }

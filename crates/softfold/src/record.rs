@@ -1,11 +1,11 @@
 //! From results to the report: figures as they are, and verdicts against the project's limits.
 
 use crate::report::json;
-use crate::stages::{AnalyseResult, FoldResult, Loaded, MeshResult, Results, SurfaceResult, band_figures};
-use softfold_geometry::{Crease, CreasePattern, DVec2, DVec3};
+use crate::stages::{AnalyseResult, FoldResult, Loaded, MeshResult, Results, SurfaceResult};
+use softfold_geometry::{Band, Crease, CreasePattern, DVec2, DVec3, SoftPattern, Softness};
 use softfold_mesh::Crosscheck;
 use softfold_mold::{Board, Mold, Rest};
-use softfold_soften::CreaseSoftness;
+use softfold_soften::BandFigures;
 
 /// The report of a run; its list of files is empty.
 pub fn report(loaded: &Loaded, results: &Results) -> json::Report {
@@ -42,30 +42,46 @@ fn pattern(results: &Results) -> json::Pattern {
     let Some(pattern) = &results.pattern else { return json::Pattern::default() };
     json::Pattern {
         name: pattern.name.clone(),
-        creases: creases(pattern, &results.softness),
+        creases: creases(pattern, results.soft.as_ref()),
         area_mm2: pattern.area_mm2(),
         issues: results.issues.iter().map(json::Issue::from).collect(),
     }
 }
 
-fn creases(pattern: &CreasePattern, softness: &[CreaseSoftness]) -> Vec<json::Crease> {
-    let figures = band_figures(softness);
+fn creases(pattern: &CreasePattern, soft: Option<&SoftPattern>) -> Vec<json::Crease> {
     let one = |(i, c): (usize, &Crease)| {
-        let band = figures.get(i).copied().flatten();
-        let soft = softness.get(i);
+        let band = soft.and_then(|s| s.bands.get(i));
+        let steepest = band.and_then(Band::steepest);
+        let widest = band.and_then(|b| Some(BandFigures::of(&widest(b)?, b.segments)));
         json::Crease {
             name: c.name.clone(),
             role: c.role.letter().to_string(),
             length_mm: c.curve.length_mm(),
-            fold_angle_deg: soft.map_or(0.0, |s| s.fold_angle_rad.to_degrees()),
-            radius_mm: soft.map_or(0.0, |s| s.radius_mm),
-            segments: band.map_or(0, |b| b.segments),
-            chord_mm: band.map_or(0.0, |b| b.chord_mm),
-            band_width_mm: band.map_or(0.0, |b| b.band_width_mm),
-            arc_mm: band.map_or(0.0, |b| b.arc_length_mm),
+            fold_angle_deg: steepest.map_or(0.0, |s| s.fold_angle_rad.to_degrees()),
+            radius_mm: band.and_then(Band::softest).map_or(0.0, |s| s.radius_mm),
+            segments: widest.map_or(0, |b| b.segments),
+            chord_mm: widest.map_or(0.0, |b| b.chord_mm),
+            band_width_mm: widest.map_or(0.0, |b| b.band_width_mm),
+            arc_mm: widest.map_or(0.0, |b| b.arc_length_mm),
+            profile: band.filter(|b| b.profile.len() > 1).map(profile).unwrap_or_default(),
         }
     };
     pattern.creases.iter().enumerate().map(one).collect()
+}
+
+/// The entry of a band's profile where it is widest.
+fn widest(band: &Band) -> Option<Softness> {
+    let width = |s: &Softness| s.strip_width_mm(band.segments);
+    band.profile.iter().copied().reduce(|a, b| if width(&b) > width(&a) { b } else { a })
+}
+
+fn profile(band: &Band) -> Vec<json::Softness> {
+    let one = |s: &Softness| json::Softness {
+        s_mm: s.s_mm,
+        radius_mm: s.radius_mm,
+        fold_angle_deg: s.fold_angle_rad.to_degrees(),
+    };
+    band.profile.iter().map(one).collect()
 }
 
 fn mesh(m: &MeshResult) -> json::Mesh {
@@ -127,13 +143,14 @@ const CURVATURE_SAMPLES: u32 = 400;
 /// Largest hoop strain ± δ/(2R) over the creases, shared by both sides of the band: δ = 2 r (sin α − α cos α), 2α the
 /// fold angle, and R = cos α / κ the crease's radius in space where its flat curvature κ is largest.
 fn hoop_estimate(results: &Results) -> Option<f64> {
-    let pattern = results.pattern.as_ref()?;
-    let estimate = |(crease, soft): (&Crease, &CreaseSoftness)| {
+    let (pattern, soft) = (results.pattern.as_ref()?, results.soft.as_ref()?);
+    let estimate = |(crease, band): (&Crease, &Band)| {
         let at = |k: u32| crease.curve.length_mm() * f64::from(k) / f64::from(CURVATURE_SAMPLES);
         let flat = (0..=CURVATURE_SAMPLES).map(|k| crease.curve.curvature(at(k)).abs()).fold(0.0, f64::max);
-        shared_hoop_strain(soft.radius_mm, soft.fold_angle_rad, flat)
+        let strain = |s: &Softness| shared_hoop_strain(s.radius_mm, s.fold_angle_rad, flat);
+        band.profile.iter().map(strain).fold(0.0, f64::max)
     };
-    let largest = pattern.creases.iter().zip(&results.softness).map(estimate).fold(0.0, f64::max);
+    let largest = pattern.creases.iter().zip(&soft.bands).map(estimate).fold(0.0, f64::max);
     (largest > 0.0).then_some(largest)
 }
 

@@ -1,10 +1,10 @@
 //! The stages in their order: the only place that knows it.
 
-use crate::RunError;
 use crate::goals::goals;
 use crate::progress::Progress;
+use crate::project::line_of;
 use crate::project::{self, Project};
-use crate::project::{line_of, line_of_header};
+use crate::{RunError, patterns, softness};
 use softfold_fold::{Goal, Iteration, NewtonOptions, RelaxOptions, Solver, Verdict};
 use softfold_geometry::{CreasePattern, DVec3, FoldedSheet, Issue, SoftPattern};
 use softfold_kernel::{MeshBuffers, MeshView, cgal, occt};
@@ -12,8 +12,8 @@ use softfold_mesh::{Backend, Crosscheck, MeshError, MeshOptions, Meshed, Quality
 use softfold_mold::{
     Board, BoardOptions, Mold, MoldError, MoldOptions, Placement, Rest, StockOptions, WaffleOptions,
 };
-use softfold_pattern::ReadOptions;
-use softfold_soften::{BandFigures, CreaseSoftness, Segments, SoftenError};
+use softfold_pattern::{Format, ReadOptions};
+use softfold_soften::SoftenError;
 use softfold_surface::{Fitted, SurfaceAnalysis, SurfaceError, SurfaceOptions};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -69,8 +69,10 @@ pub struct Loaded {
     pub project: Project,
     /// Path of the pattern.
     pub pattern_path: PathBuf,
-    /// The pattern's text.
-    pub pattern_text: String,
+    /// The pattern's bytes.
+    pub pattern_bytes: Vec<u8>,
+    /// Their format.
+    pub format: Format,
 }
 
 /// How one goal ended.
@@ -138,8 +140,6 @@ pub struct Results {
     pub issues: Vec<Issue>,
     /// The pattern.
     pub pattern: Option<CreasePattern>,
-    /// Softness by crease.
-    pub softness: Vec<CreaseSoftness>,
     /// The bands.
     pub soft: Option<SoftPattern>,
     /// The mesh.
@@ -170,11 +170,11 @@ impl Loaded {
     /// # Errors
     /// Files that cannot be read, a project that is at fault.
     pub fn read(path: &Path) -> Result<Self, RunError> {
-        let text = read_text(path, "give the path of a project file; `softfold new` writes one")?;
-        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg")) {
+        if patterns::format_of(path).is_some() {
             let mend = "is a pattern; give a project file that names it with `pattern =` (`softfold new` writes one)";
             return Err(RunError::in_file(path, None, mend));
         }
+        let text = read_text(path, "give the path of a project file; `softfold new` writes one")?;
         let project = Project::parse(&text).map_err(|f| RunError::in_file(path, f.line, f.message))?;
         let pattern_path = path.parent().unwrap_or(Path::new("")).join(&project.pattern);
         let asked = line_of(&text, "", "pattern");
@@ -183,8 +183,8 @@ impl Loaded {
             path.display(),
             asked.map(|l| format!(":{l}")).unwrap_or_default()
         );
-        let pattern_text = read_text(&pattern_path, &mend)?;
-        Ok(Self { path: path.to_owned(), text, project, pattern_path, pattern_text })
+        let (pattern_bytes, format) = patterns::load(&pattern_path, &mend)?;
+        Ok(Self { path: path.to_owned(), text, project, pattern_path, pattern_bytes, format })
     }
 
     /// The project's name: its own, or its pattern's.
@@ -197,7 +197,18 @@ impl Loaded {
             .unwrap_or_else(|| "softfold".to_owned())
     }
 
-    fn fault(&self, table: &str, key: &str, message: impl std::fmt::Display) -> RunError {
+    /// How the project wants its pattern read.
+    ///
+    /// # Errors
+    /// Roles that are none.
+    pub fn read_options(&self) -> Result<ReadOptions, RunError> {
+        let roles = self.project.roles.map().map_err(|(table, key, message)| {
+            RunError::in_file(&self.path, line_of(&self.text, table, &key), message)
+        })?;
+        Ok(self.project.read.options(roles))
+    }
+
+    pub(crate) fn fault(&self, table: &str, key: &str, message: impl std::fmt::Display) -> RunError {
         RunError::in_file(&self.path, line_of(&self.text, table, key), message)
     }
 }
@@ -254,9 +265,9 @@ fn defect(error: impl std::fmt::Display) -> RunError {
 }
 
 fn pattern(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result<String, RunError> {
-    let options = ReadOptions { unit_mm: loaded.project.unit_mm };
-    let file = softfold_pattern::read_svg(&loaded.pattern_text, &loaded.name(), &options)
-        .map_err(|e| RunError::from_issue(&loaded.pattern_path, e.issue()))?;
+    let file =
+        softfold_pattern::read(&loaded.pattern_bytes, loaded.format, &loaded.name(), &loaded.read_options()?)
+            .map_err(|e| RunError::from_issue(&loaded.pattern_path, e.error.issue()))?;
     let word = format!("creases: {}, remarks: {}", file.pattern.creases.len(), file.issues.len());
     file.pattern.check().map_err(defect)?;
     (results.pattern, results.issues) = (Some(file.pattern), file.issues);
@@ -265,11 +276,11 @@ fn pattern(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Resu
 
 fn soften(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result<String, RunError> {
     let pattern = made(results.pattern.as_ref())?;
-    let softness = softness(loaded, pattern)?;
+    let softness = softness::of_all(loaded, pattern, &mut results.issues)?;
     let soft = softfold_soften::soften(pattern, &softness).map_err(|e| soften_fault(loaded, &e))?;
     soft.check().map_err(defect)?;
     let lines: usize = soft.bands.iter().map(|b| b.fold_lines.len()).sum();
-    (results.soft, results.softness) = (Some(soft), softness);
+    results.soft = Some(soft);
     Ok(format!("{lines} fold lines"))
 }
 
@@ -282,71 +293,6 @@ fn soften_fault(loaded: &Loaded, error: &SoftenError) -> RunError {
         None => loaded.pattern_path.display().to_string(),
     };
     loaded.fault("soften", "radius_mm", format!("{wrapped} [{place}]"))
-}
-
-/// Softness of each crease: its table, else the pattern, else the common values.
-fn softness(loaded: &Loaded, pattern: &CreasePattern) -> Result<Vec<CreaseSoftness>, RunError> {
-    let soften = &loaded.project.soften;
-    if let Some(unknown) = soften.creases.keys().find(|n| pattern.creases.iter().all(|c| c.name != **n)) {
-        let known: Vec<&str> = pattern.creases.iter().map(|c| c.name.as_str()).collect();
-        let message = format!(
-            "[soften.creases.{unknown}]: the pattern has no such crease; it has {}",
-            known.join(", ")
-        );
-        let line = line_of_header(&loaded.text, &format!("soften.creases.{unknown}"));
-        return Err(RunError::in_file(&loaded.path, line, message));
-    }
-    let one = |crease: &softfold_geometry::Crease| {
-        let own = soften.creases.get(&crease.name).cloned().unwrap_or_default();
-        let common = soften.fold_angle_deg.map(|a| a.abs() * crease.role.sign());
-        let from_file = crease.fold_angle_rad.map(f64::to_degrees);
-        let angle = own.fold_angle_deg.or(from_file).or(common);
-        check_angle(loaded, crease, angle)?;
-        let angle = angle.unwrap_or(0.0); // flat creases alone
-        Ok(CreaseSoftness {
-            radius_mm: own.radius_mm.unwrap_or(soften.radius_mm),
-            fold_angle_rad: angle.to_radians(),
-            segments: Segments::Count(own.segments.unwrap_or(soften.segments)),
-        })
-    };
-    pattern.creases.iter().map(one).collect()
-}
-
-fn check_angle(
-    loaded: &Loaded,
-    crease: &softfold_geometry::Crease,
-    angle: Option<f64>,
-) -> Result<(), RunError> {
-    use softfold_geometry::Role;
-    let table = format!("soften.creases.{}", crease.name);
-    if crease.role == Role::Flat {
-        return Ok(());
-    }
-    let mend =
-        format!("give fold_angle_deg in [{table}], or in [soften] for all, between -180 and 180 and not 0");
-    let Some(angle) = angle else {
-        let at = crease
-            .source
-            .line
-            .map_or_else(String::new, |l| format!(" ({}:{l})", loaded.pattern_path.display()));
-        let message = format!("crease '{}'{at} has no fold angle; {mend}", crease.name);
-        return Err(RunError::in_file(&loaded.path, line_of_header(&loaded.text, "soften"), message));
-    };
-    if angle == 0.0 || !angle.is_finite() || angle.abs() >= 180.0 {
-        let own = line_of(&loaded.text, &table, "fold_angle_deg");
-        let line = own.or_else(|| line_of(&loaded.text, "soften", "fold_angle_deg"));
-        let message = format!("crease '{}' has the fold angle {angle}°; {mend}", crease.name);
-        return Err(RunError::in_file(&loaded.path, line, message));
-    }
-    if angle * crease.role.sign() < 0.0 {
-        let drawn = if crease.role == Role::Mountain { "mountain (-)" } else { "valley (+)" };
-        let message = format!(
-            "crease '{}' is drawn as {drawn} but its fold angle is {angle}°; change the sign or the drawing",
-            crease.name
-        );
-        return Err(loaded.fault(&table, "fold_angle_deg", message));
-    }
-    Ok(())
 }
 
 fn mesh(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
@@ -572,9 +518,4 @@ fn mesh_volume_mm3(face: &MeshBuffers, mold: &Mold, thickness_mm: f64) -> Result
     let down = mold.pose.mold_from_sheet.inverse().rotation * DVec3::new(0.0, 0.0, -thickness_mm);
     let swept = cgal::extrude(face.view(), down.to_array()).map_err(defect)?;
     Ok(cgal::closed_check(swept.view()).map_err(defect)?.volume_mm3.abs())
-}
-
-/// Figures of the bands, by crease, for the report.
-pub fn band_figures(softness: &[CreaseSoftness]) -> Vec<Option<BandFigures>> {
-    softness.iter().map(|s| BandFigures::new(s).ok()).collect()
 }

@@ -1,18 +1,40 @@
 //! The goals: each one file with energy, gradient, Hessian and the moves of eq. 4.
 
 mod anchor;
+mod area;
+mod attract;
 mod clamp_length;
+mod co_planar;
 mod edge_lengths;
+mod floor;
+mod glue;
 mod hinge;
+mod load;
+mod on_curve;
+mod on_mesh;
 mod on_plane;
+mod sphere_collide;
+#[cfg(test)]
+mod sweep_tests;
+#[cfg(test)]
+pub(crate) mod testing;
 
 pub use anchor::Anchor;
+pub use area::Area;
+pub use attract::{Attract, Nearest, Target, TargetError};
 pub use clamp_length::ClampLength;
+pub use co_planar::{COUPLED_POINTS, CoPlanar};
 pub use edge_lengths::EdgeLengths;
+pub use floor::Floor;
+pub use glue::Glue;
 pub use hinge::{Hinge, Hinges};
+pub use load::{EARTH_GRAVITY, Load};
+pub use on_curve::{OnCurve, SpaceCurve};
+pub use on_mesh::{OnMesh, TriangleMesh};
 pub use on_plane::OnPlane;
+pub use sphere_collide::SphereCollide;
 
-use crate::hessian::Hessian;
+use crate::hessian::BlockSink;
 use glam::{DMat3, DVec3};
 
 /// The part a goal plays.
@@ -24,9 +46,11 @@ pub enum Part {
     Bending,
     /// Holds or pulls it from outside.
     Hold,
+    /// Keeps it out of itself and of what it lies on. Never softened: what has gone through does not come back.
+    Contact,
 }
 
-/// Factors on the goals' energies, by part; bending is never scaled.
+/// Factors on the goals' energies, by part; bending and contacts are never scaled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
     /// Factor on the membrane.
@@ -43,7 +67,7 @@ impl Scales {
     pub fn of(self, part: Part) -> f64 {
         match part {
             Part::Membrane => self.membrane,
-            Part::Bending => 1.0,
+            Part::Bending | Part::Contact => 1.0,
             Part::Hold => self.hold,
         }
     }
@@ -69,8 +93,14 @@ pub trait Goal: Send + Sync {
     /// Which part it plays, by which the softened start scales it.
     fn part(&self) -> Part;
 
-    /// Groups of vertices that the Hessian couples.
+    /// Groups of vertices that the Hessian couples wherever they are.
     fn couplings(&self) -> Vec<Vec<u32>>;
+
+    /// Pairs of vertices that the Hessian couples at `x` besides: contacts, which come and go. With a `margin`
+    /// also those that are apart by up to that share of the contact distance more.
+    fn contacts(&self, _x: &[DVec3], _margin: f64) -> Vec<[u32; 2]> {
+        Vec::new()
+    }
 
     /// The energy.
     fn energy(&self, x: &[DVec3]) -> f64;
@@ -108,7 +138,7 @@ impl Gradient<'_> {
 
 /// Where goals add their Hessians.
 pub struct HessianSink<'a> {
-    pub(crate) matrix: &'a mut Hessian,
+    pub(crate) matrix: &'a mut dyn BlockSink,
     pub(crate) scale: f64,
 }
 
@@ -142,61 +172,4 @@ pub(crate) fn outer(a: DVec3, b: DVec3) -> DMat3 {
 /// The matrix of `a ×`.
 pub(crate) fn cross_matrix(a: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(0.0, a.z, -a.y), DVec3::new(-a.z, 0.0, a.x), DVec3::new(a.y, -a.x, 0.0))
-}
-
-#[cfg(test)]
-pub(crate) mod testing {
-    //! One page of finite differences that proves any goal.
-    use super::*;
-    use crate::Objective;
-
-    /// Gradient against energy, Hessian against gradient, moves against gradient, at `x`.
-    pub(crate) fn prove(goal: Box<dyn Goal>, x: &[DVec3], tolerance: f64) {
-        let goals = [goal];
-        let objective = Objective::new(x.len(), &goals);
-        let gradient = objective.gradient(x, Scales::FULL).sum;
-        let hessian = objective.hessian(x, Curvature::Exact, Scales::FULL).to_dense();
-        let scale = 1e-9 + gradient.iter().map(|g| g.length()).fold(0.0, f64::max);
-        let stiffness = 1e-9 + hessian.iter().flatten().fold(0.0_f64, |m, h| m.max(h.abs()));
-        let e = 1e-4;
-        for i in 0..3 * x.len() {
-            let moved = |d: f64| {
-                let mut y = x.to_vec();
-                y[i / 3][i % 3] += d;
-                y
-            };
-            let (p, m) = (moved(e), moved(-e));
-            let slope = (objective.energy(&p, Scales::FULL) - objective.energy(&m, Scales::FULL)) / (2.0 * e);
-            assert!(
-                (slope - gradient[i / 3][i % 3]).abs() < tolerance * (scale + stiffness * e),
-                "gradient {i}: {slope} {}",
-                gradient[i / 3][i % 3]
-            );
-            let (gp, gm) =
-                (objective.gradient(&p, Scales::FULL).sum, objective.gradient(&m, Scales::FULL).sum);
-            for j in 0..3 * x.len() {
-                let d = (gp[j / 3][j % 3] - gm[j / 3][j % 3]) / (2.0 * e);
-                assert!(
-                    (d - hessian[i][j]).abs() < tolerance * stiffness,
-                    "hessian {i} {j}: {d} {}",
-                    hessian[i][j]
-                );
-            }
-        }
-        prove_moves(&objective, x, &gradient, tolerance * scale);
-    }
-
-    fn prove_moves(objective: &Objective<'_>, x: &[DVec3], gradient: &[DVec3], tolerance: f64) {
-        let (weighted, _) = objective.moves(x);
-        for (w, g) in weighted.iter().zip(gradient) {
-            assert!((*w + *g).length() < tolerance, "moves are not the negative gradient: {w} {g}");
-        }
-    }
-
-    #[test]
-    fn cross_matrix_is_the_cross_product() {
-        let (a, b) = (DVec3::new(1., -2., 3.), DVec3::new(0.5, 4., -1.));
-        assert!((cross_matrix(a) * b - a.cross(b)).length() < 1e-15);
-        assert!((outer(a, b) * DVec3::ONE - a * b.element_sum()).length() < 1e-15);
-    }
 }

@@ -3,32 +3,6 @@
 /// A value that the wanted format cannot hold.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// An entity of a drawing lies on a layer that the drawing does not declare.
-    #[error(
-        "DXF entity {entity} lies on the layer \"{layer}\", which the drawing does not declare; add it to the layers"
-    )]
-    UnknownLayer {
-        /// Number of the entity, from 0.
-        entity: usize,
-        /// The layer's name.
-        layer: String,
-    },
-    /// Two layers of a drawing have one name.
-    #[error("the DXF layer \"{layer}\" is declared twice; declare it once")]
-    DoubleLayer {
-        /// The layer's name.
-        layer: String,
-    },
-    /// A polyline with fewer points than it needs.
-    #[error("DXF polyline {entity} on layer \"{layer}\" has {vertices} vertices; it needs two or more")]
-    ShortPolyline {
-        /// Number of the entity, from 0.
-        entity: usize,
-        /// The layer's name.
-        layer: String,
-        /// Vertices it has.
-        vertices: usize,
-    },
     /// A coordinate is NaN or infinite.
     #[error("{what} has a coordinate that is no finite number")]
     NotFinite {

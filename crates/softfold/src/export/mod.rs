@@ -4,7 +4,6 @@
 //! print a number.
 
 pub mod dxf;
-mod dxf_frame;
 mod error;
 pub mod fold;
 pub mod obj;

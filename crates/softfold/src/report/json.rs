@@ -68,18 +68,32 @@ pub struct Crease {
     pub role: String,
     /// Arc length, mm.
     pub length_mm: f64,
-    /// Fold angle π − ρ, degrees, + valley, − mountain.
+    /// Fold angle π − ρ, degrees, + valley, − mountain; the largest where it varies.
     pub fold_angle_deg: f64,
     /// Radius of the soft fold, mm; the largest where it varies.
     pub radius_mm: f64,
     /// Strips of the band.
     pub segments: u32,
-    /// Width of one strip (a chord of the fold's arc), mm.
+    /// Width of one strip (a chord of the fold's arc), mm; this and what follows where the band is widest.
     pub chord_mm: f64,
     /// Width of the whole band, mm.
     pub band_width_mm: f64,
     /// Length of the arc that the band stands for, mm.
     pub arc_mm: f64,
+    /// Radius and fold angle along the crease where they change; empty where they do not.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub profile: Vec<Softness>,
+}
+
+/// Radius and fold angle at one place of a crease.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Softness {
+    /// Arc length along the crease, mm.
+    pub s_mm: f64,
+    /// Radius of the soft fold, mm.
+    pub radius_mm: f64,
+    /// Fold angle, degrees.
+    pub fold_angle_deg: f64,
 }
 
 /// A remark about the user's file.

@@ -73,8 +73,9 @@ pub fn soft_pattern_svg(soft: &SoftPattern) -> String {
     let mut svg = around_curves(&soft.loops);
     svg.curves(&soft.loops, Style::line(INK, 1.6).fill(SHEET));
     for band in &soft.bands {
-        let colour = if band.fold_angle_rad < 0.0 { MOUNTAIN } else { VALLEY };
-        svg.begin_group(&format!("crease {}, radius {:.1} mm", band.crease, band.radius_mm));
+        let Some((steepest, softest)) = band.steepest().zip(band.softest()) else { continue };
+        let colour = if steepest.fold_angle_rad < 0.0 { MOUNTAIN } else { VALLEY };
+        svg.begin_group(&format!("crease {}, radius {:.1} mm", band.crease, softest.radius_mm));
         band.fold_lines.iter().for_each(|l| svg.polyline(&l.points, Style::line(colour, 0.8)));
         svg.end_group();
     }

@@ -1,0 +1,491 @@
+//! The project file: what a run is asked for. TOML; every key is documented in `fixtures/sculpture/project.toml`.
+
+mod number;
+mod read;
+mod soften;
+
+pub use number::{line_of, line_of_entry, line_of_header};
+pub use read::{Outline, Read, Roles};
+pub use soften::{Along, Compensation, Radius, SoftCrease, Soften};
+
+use number::{Number, Range, entry, fault_of, finite, least};
+use serde::Deserialize;
+use std::path::PathBuf;
+
+/// A project as its file says it; lengths mm, angles degrees.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Project {
+    /// Name for the report; the pattern's file name without its ending if absent.
+    pub name: Option<String>,
+    /// The pattern, relative to the project file.
+    pub pattern: PathBuf,
+    /// How the pattern is read.
+    #[serde(default)]
+    pub read: Read,
+    /// Which line is what.
+    #[serde(default)]
+    pub roles: Roles,
+    /// Bands.
+    pub soften: Soften,
+    /// Mesh.
+    #[serde(default)]
+    pub mesh: Mesh,
+    /// Board material.
+    #[serde(default)]
+    pub material: Material,
+    /// Folding.
+    #[serde(default)]
+    pub fold: Fold,
+    /// Surface.
+    #[serde(default)]
+    pub surface: Surface,
+    /// Board.
+    pub board: Board,
+    /// Standing.
+    #[serde(default)]
+    pub stability: Stability,
+    /// Mold.
+    #[serde(default)]
+    pub mold: Mold,
+    /// Waffle.
+    #[serde(default)]
+    pub waffle: Waffle,
+    /// Verdicts.
+    #[serde(default)]
+    pub limits: Limits,
+}
+
+/// `mesh.backend`
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Backend {
+    /// spade.
+    #[default]
+    Spade,
+    /// CGAL.
+    Cgal,
+}
+
+/// `[mesh]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Mesh {
+    /// Edge length away from bands, mm.
+    pub target_edge_mm: f64,
+    /// Triangulation.
+    pub backend: Backend,
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Default for Mesh {
+    fn default() -> Self {
+        let options = softfold_mesh::MeshOptions::default();
+        Self { target_edge_mm: options.target_edge_mm, backend: Backend::Spade, seed: options.seed }
+    }
+}
+
+/// `[material]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Material {
+    /// E, MPa.
+    pub youngs_modulus_mpa: f64,
+    /// ν.
+    pub poisson_ratio: f64,
+    /// Density, kg/m³.
+    pub density_kg_m3: f64,
+    /// Stiffness of fold lines over that of faces.
+    pub fold_line_factor: f64,
+    /// Smallest radius of a skin, mm.
+    pub min_radius_mm: Option<f64>,
+    /// Largest strain of the outer fibre.
+    pub strain_limit: Option<f64>,
+}
+
+impl Default for Material {
+    /// Fiber cement.
+    fn default() -> Self {
+        Self {
+            youngs_modulus_mpa: 6000.0,
+            poisson_ratio: 0.25,
+            density_kg_m3: 1750.0,
+            fold_line_factor: 10.0,
+            min_radius_mm: None,
+            strain_limit: None,
+        }
+    }
+}
+
+/// `fold.solver`
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Solver {
+    /// Newton's method.
+    #[default]
+    Newton,
+    /// The paper's eq. 4.
+    Relax,
+}
+
+/// `fold.start`
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Start {
+    /// The flat sheet stands on its foot.
+    Upright,
+    /// The flat sheet lies on the ground.
+    #[default]
+    Flat,
+}
+
+/// `[fold]`
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Fold {
+    /// Solver.
+    pub solver: Solver,
+    /// Start.
+    pub start: Start,
+    /// Relative gradient at which to stop.
+    pub relative_gradient: Option<f64>,
+    /// Most iterations.
+    pub max_iterations: Option<u32>,
+    /// Momentum of eq. 4, from 0 (as printed) to below 1.
+    pub momentum: Option<f64>,
+    /// `[[fold.anchors]]`
+    pub anchors: Vec<Anchor>,
+    /// `[[fold.bands]]`
+    pub bands: Vec<Band>,
+    /// `[[fold.planes]]`
+    pub planes: Vec<Plane>,
+}
+
+/// `[[fold.anchors]]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Anchor {
+    /// Name.
+    pub name: String,
+    /// Point of the sheet, mm.
+    pub at: [f64; 2],
+    /// Place in space, mm.
+    pub target: [f64; 3],
+    /// Stiffness along x, y, z, N/mm.
+    pub stiffness: [f64; 3],
+}
+
+/// `[[fold.bands]]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Band {
+    /// Name.
+    pub name: String,
+    /// One end on the sheet, mm.
+    pub from: [f64; 2],
+    /// The other end, mm.
+    pub to: [f64; 2],
+    /// Length up to which it is slack, mm.
+    pub rest_mm: f64,
+    /// Stiffness, N/mm.
+    pub stiffness: f64,
+}
+
+/// `[[fold.planes]]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plane {
+    /// Name.
+    pub name: String,
+    /// Start of the piece of outline, mm.
+    pub outline_from: [f64; 2],
+    /// Its end, counter-clockwise, mm.
+    pub outline_to: [f64; 2],
+    /// A point of the plane, mm.
+    pub origin: [f64; 3],
+    /// Its normal.
+    pub normal: [f64; 3],
+    /// Stiffness per vertex, N/mm.
+    pub stiffness: f64,
+}
+
+/// `[surface]`
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Surface {
+    /// Deviation aimed at, mm.
+    pub tolerance_mm: Option<f64>,
+    /// Spacing of the poles, mm; found if absent.
+    pub spacing_mm: Option<f64>,
+}
+
+/// `board.placement`
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Placement {
+    /// The sheet is the middle.
+    #[default]
+    Mid,
+    /// The sheet is the lower skin.
+    Lower,
+    /// The sheet is the upper skin.
+    Upper,
+}
+
+/// `[board]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Board {
+    /// Thickness, mm.
+    pub thickness_mm: f64,
+    /// Where the sheet lies in it.
+    #[serde(default)]
+    pub placement: Placement,
+}
+
+/// `[stability]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Stability {
+    /// Points this near to the ground touch it, mm.
+    pub contact_mm: f64,
+}
+
+impl Default for Stability {
+    fn default() -> Self {
+        Self { contact_mm: 1.0 }
+    }
+}
+
+/// `[mold]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Mold {
+    /// Thickness along z, mm.
+    pub thickness_mm: f64,
+    /// Side of the parts, mm.
+    pub cell_mm: f64,
+    /// Room of the printer, mm.
+    pub printer_mm: [f64; 3],
+}
+
+impl Default for Mold {
+    fn default() -> Self {
+        let options = softfold_mold::MoldOptions::default();
+        let (thickness_mm, cell_mm) = (options.thickness_mm, options.cell_mm);
+        Self { thickness_mm, cell_mm, printer_mm: options.printer_mm }
+    }
+}
+
+/// `[waffle]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Waffle {
+    /// Thickness of the boards, mm.
+    pub board_mm: f64,
+    /// Distance between boards, mm.
+    pub pitch_mm: f64,
+    /// Turned against the grid, degrees.
+    pub angle_deg: f64,
+    /// Slots are wider than boards by this, mm.
+    pub clearance_mm: f64,
+    /// Cutter, mm.
+    pub cutter_mm: f64,
+    /// Stock, mm.
+    pub stock_mm: [f64; 2],
+}
+
+impl Default for Waffle {
+    fn default() -> Self {
+        let w = softfold_mold::WaffleOptions::default();
+        Self {
+            board_mm: w.board_mm,
+            pitch_mm: w.pitch_mm,
+            angle_deg: w.angle_deg,
+            clearance_mm: w.clearance_mm,
+            cutter_mm: w.cutter_mm,
+            stock_mm: w.stock.size_mm,
+        }
+    }
+}
+
+/// `[limits]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Limits {
+    /// Largest |area error|.
+    pub area_error: f64,
+    /// Largest deviation of the surface, mm.
+    pub surface_deviation_mm: f64,
+    /// Least stability margin, mm.
+    pub stability_margin_mm: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { area_error: 0.015, surface_deviation_mm: 0.5, stability_margin_mm: 0.0 }
+    }
+}
+
+/// What is wrong with a project file: the line where it is known, what, and the mend.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProjectFault {
+    /// Line, from 1.
+    pub line: Option<usize>,
+    /// What is wrong and what to do.
+    pub message: String,
+}
+
+impl Project {
+    /// Reads a project's text.
+    ///
+    /// # Errors
+    /// No TOML, unknown or missing keys, values of the wrong kind or out of their range.
+    pub fn parse(text: &str) -> Result<Self, ProjectFault> {
+        let project: Self = toml::from_str(text).map_err(|e| fault_of(text, &e))?;
+        project.check(text)?;
+        Ok(project)
+    }
+
+    fn check(&self, text: &str) -> Result<(), ProjectFault> {
+        self.numbers().into_iter().try_for_each(|n| n.check(text))?;
+        let w = &self.waffle;
+        if w.pitch_mm <= w.board_mm + w.clearance_mm {
+            let message = format!(
+                "waffle.pitch_mm is {} but a board with its clearance is {} wide; give more",
+                w.pitch_mm,
+                w.board_mm + w.clearance_mm
+            );
+            return Err(ProjectFault { line: line_of(text, "waffle", "pitch_mm"), message });
+        }
+        self.roles.check(text)?;
+        self.soften.check(text)?;
+        self.fold.check(text)
+    }
+
+    /// Every number that must lie in a range.
+    fn numbers(&self) -> Vec<Number> {
+        use Range::{Finite, Fraction, NotNegative, Positive, Share, Thick};
+        let n = Number::new;
+        let mut all = vec![
+            n("mesh", "target_edge_mm", self.mesh.target_edge_mm, Positive),
+            n("material", "youngs_modulus_mpa", self.material.youngs_modulus_mpa, Positive),
+            n("material", "poisson_ratio", self.material.poisson_ratio, Fraction),
+            n("material", "density_kg_m3", self.material.density_kg_m3, Positive),
+            n("material", "fold_line_factor", self.material.fold_line_factor, Positive),
+            n("board", "thickness_mm", self.board.thickness_mm, Thick),
+            n("stability", "contact_mm", self.stability.contact_mm, Positive),
+            n("mold", "thickness_mm", self.mold.thickness_mm, Thick),
+            n("mold", "cell_mm", self.mold.cell_mm, Positive),
+            n("mold", "printer_mm", least(&self.mold.printer_mm), Positive),
+            n("waffle", "angle_deg", self.waffle.angle_deg, Finite),
+            n("waffle", "stock_mm", least(&self.waffle.stock_mm), Positive),
+            n("waffle", "board_mm", self.waffle.board_mm, Positive),
+            n("waffle", "pitch_mm", self.waffle.pitch_mm, Positive),
+            n("waffle", "clearance_mm", self.waffle.clearance_mm, NotNegative),
+            n("waffle", "cutter_mm", self.waffle.cutter_mm, Positive),
+            n("limits", "area_error", self.limits.area_error, Positive),
+            n("limits", "stability_margin_mm", self.limits.stability_margin_mm, Finite),
+            n("limits", "surface_deviation_mm", self.limits.surface_deviation_mm, Positive),
+        ];
+        let optional = [
+            ("material", "min_radius_mm", self.material.min_radius_mm),
+            ("material", "strain_limit", self.material.strain_limit),
+            ("surface", "tolerance_mm", self.surface.tolerance_mm),
+            ("surface", "spacing_mm", self.surface.spacing_mm),
+        ];
+        all.extend(optional.into_iter().filter_map(|(t, k, v)| v.map(|v| n(t, k, v, Positive))));
+        all.extend(self.fold.relative_gradient.map(|v| n("fold", "relative_gradient", v, Share)));
+        all.extend(self.fold.momentum.map(|v| n("fold", "momentum", v, Share)));
+        all.extend(self.read.numbers());
+        all.extend(self.soften.numbers());
+        all
+    }
+}
+
+impl Fold {
+    fn check(&self, text: &str) -> Result<(), ProjectFault> {
+        for (i, a) in self.anchors.iter().enumerate() {
+            let fine =
+                finite(&a.at) && finite(&a.target) && a.stiffness.iter().all(|k| *k >= 0.0 && k.is_finite());
+            entry(
+                fine,
+                text,
+                "fold.anchors",
+                i,
+                &a.name,
+                "at and target must be finite numbers, stiffness not negative",
+            )?;
+        }
+        for (i, b) in self.bands.iter().enumerate() {
+            let fine = finite(&b.from)
+                && finite(&b.to)
+                && [b.rest_mm, b.stiffness].iter().all(|v| *v >= 0.0 && v.is_finite());
+            entry(
+                fine,
+                text,
+                "fold.bands",
+                i,
+                &b.name,
+                "its ends must be finite numbers, rest_mm and stiffness not negative",
+            )?;
+        }
+        for (i, p) in self.planes.iter().enumerate() {
+            let numbers =
+                finite(&p.outline_from) && finite(&p.outline_to) && finite(&p.origin) && finite(&p.normal);
+            let fine = numbers
+                && p.normal.iter().any(|c| *c != 0.0)
+                && p.stiffness >= 0.0
+                && p.stiffness.is_finite();
+            entry(
+                fine,
+                text,
+                "fold.planes",
+                i,
+                &p.name,
+                "its points must be finite numbers, the normal not zero, stiffness not negative",
+            )?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LEAST: &str = "pattern = \"p.svg\"\n[soften]\nradius_mm = 30\n[board]\nthickness_mm = 10\n";
+
+    #[test]
+    fn the_least_project_has_defaults() {
+        let p = Project::parse(LEAST).unwrap();
+        assert_eq!((p.mold.cell_mm, p.soften.segments, p.fold.solver), (221.0, None, Solver::Newton));
+    }
+
+    #[test]
+    fn an_unknown_key_is_named_with_its_line() {
+        let fault = Project::parse(&LEAST.replace("[board]\n", "[board]\ncolour = 1\n")).unwrap_err();
+        assert_eq!(fault.line, Some(5));
+        assert!(fault.message.contains("colour"), "{}", fault.message);
+    }
+
+    #[test]
+    fn a_negative_thickness_is_named_with_its_line() {
+        for bad in ["-10", "nan", "inf", "0"] {
+            let fault = Project::parse(&LEAST.replace("= 10", &format!("= {bad}"))).unwrap_err();
+            assert_eq!(fault.line, Some(5));
+            assert!(fault.message.contains("board.thickness_mm") && fault.message.contains("positive"));
+        }
+    }
+
+    #[test]
+    fn a_fault_in_the_second_anchor_has_its_line() {
+        let anchor =
+            "[[fold.anchors]]\nname = \"A\"\nat = [1, 2]\ntarget = [0, 0, 0]\nstiffness = [1, 1, 1]\n";
+        let text = format!("{LEAST}{anchor}{}", anchor.replace("[1, 2]", "[nan, 2]"));
+        let fault = Project::parse(&text).unwrap_err();
+        assert_eq!(fault.line, Some(11));
+        assert!(fault.message.contains("[[fold.anchors]]"));
+    }
+}
