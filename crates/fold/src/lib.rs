@@ -27,8 +27,8 @@ mod testing;
 pub use address::{AddressError, SheetPoint, boundary_vertices, locate};
 pub use analyse::{Verdict, analyse};
 pub use goal::{
-    Anchor, Area, ClampLength, CoPlanar, EdgeLengths, Floor, Glue, Goal, Hinges, Load, OnCurve, OnMesh,
-    OnPlane, Part, Scales, SpaceCurve, SphereCollide, TargetError, TriangleMesh,
+    Anchor, Area, ClampLength, CoPlanar, EARTH_GRAVITY, EdgeLengths, Floor, Glue, Goal, Hinges, Load,
+    OnCurve, OnMesh, OnPlane, Part, Scales, SpaceCurve, SphereCollide, TargetError, TriangleMesh,
 };
 pub use lbfgs::LbfgsOptions;
 pub use material::{FREE_FACTOR, SheetMaterial};

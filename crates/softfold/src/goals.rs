@@ -1,10 +1,11 @@
-//! From the project's anchors, bands and planes to goals on the mesh.
+//! From what holds, pulls and carries the sheet in the project to goals on the mesh.
 
 use crate::RunError;
 use crate::project::{Anchor as AnchorEntry, Band, Plane, line_of_entry};
 use crate::stages::Loaded;
 use softfold_fold::{
-    Anchor, ClampLength, Goal, OnPlane, SheetMaterial, SheetPoint, boundary_vertices, locate,
+    Anchor, Area, ClampLength, CoPlanar, EARTH_GRAVITY, Floor, Glue, Goal, Load, OnCurve, OnPlane,
+    SheetMaterial, SheetPoint, SpaceCurve, SphereCollide, boundary_vertices, locate,
 };
 use softfold_geometry::{DVec2, DVec3, FlatMesh, LoopId, PlanarCurve};
 
@@ -29,6 +30,10 @@ impl Entry<'_> {
         locate(mesh, DVec2::from(uv)).map_err(|e| self.fault(e))
     }
 
+    fn points(&self, mesh: &FlatMesh, uvs: &[[f64; 2]]) -> Result<Vec<SheetPoint>, RunError> {
+        uvs.iter().map(|uv| self.point(mesh, *uv)).collect()
+    }
+
     /// Share of the outline's length at the place nearest to `uv`.
     fn on_outline(&self, outline: &PlanarCurve, uv: [f64; 2]) -> Result<f64, RunError> {
         let (s_mm, distance_mm) = outline.nearest(DVec2::from(uv));
@@ -44,7 +49,7 @@ impl Entry<'_> {
     }
 }
 
-/// Everything that acts on the sheet: its own elasticity, then anchors, bands and planes in the project's order.
+/// Everything that acts on the sheet: its own elasticity, then what the project says, kind after kind.
 ///
 /// # Errors
 /// Places that are not on the sheet or its outline.
@@ -63,6 +68,52 @@ pub fn goals(
     }
     for (index, p) in fold.planes.iter().enumerate() {
         goals.push(plane(&Entry { loaded, array: "fold.planes", index, name: &p.name }, p, mesh, outline)?);
+    }
+    goals.extend(more(loaded, mesh)?);
+    Ok(goals)
+}
+
+/// Glues, coplanar points, rails, floors, loads, weight, areas and balls.
+fn more(loaded: &Loaded, mesh: &FlatMesh) -> Result<Vec<Box<dyn Goal>>, RunError> {
+    let fold = &loaded.project.fold;
+    let mut goals: Vec<Box<dyn Goal>> = Vec::new();
+    for (index, g) in fold.glues.iter().enumerate() {
+        let entry = Entry { loaded, array: "fold.glues", index, name: &g.name };
+        let points = [entry.point(mesh, g.from)?, entry.point(mesh, g.to)?];
+        goals.push(Box::new(Glue { name: g.name.clone(), points, stiffness: g.stiffness }));
+    }
+    for (index, c) in fold.coplanar.iter().enumerate() {
+        let entry = Entry { loaded, array: "fold.coplanar", index, name: &c.name };
+        let points = entry.points(mesh, &c.at)?;
+        goals.push(Box::new(CoPlanar { name: c.name.clone(), points, stiffness: c.stiffness }));
+    }
+    for (index, r) in fold.rails.iter().enumerate() {
+        let entry = Entry { loaded, array: "fold.rails", index, name: &r.name };
+        let through: Vec<DVec3> = r.through.iter().map(|p| DVec3::from(*p)).collect();
+        let target = SpaceCurve::polyline(&through).map_err(|e| entry.fault(e))?;
+        let points = entry.points(mesh, &r.at)?;
+        goals.push(Box::new(OnCurve { name: r.name.clone(), points, target, stiffness: r.stiffness }));
+    }
+    for f in &fold.floors {
+        goals.push(Box::new(Floor {
+            name: f.name.clone(),
+            vertices: (0..mesh.vertices.len() as u32).collect(),
+            origin: f.origin.into(),
+            normal: DVec3::from(f.normal).normalize_or(DVec3::Z),
+            stiffness: f.stiffness,
+        }));
+    }
+    for (index, l) in fold.loads.iter().enumerate() {
+        let entry = Entry { loaded, array: "fold.loads", index, name: &l.name };
+        goals.push(Box::new(Load::at(&l.name, entry.point(mesh, l.at)?, l.force_n.into())));
+    }
+    if fold.self_weight {
+        let (density, thickness) = (loaded.project.material.density_kg_m3, loaded.project.board.thickness_mm);
+        goals.push(Box::new(Load::self_weight(mesh, density, thickness, EARTH_GRAVITY)));
+    }
+    goals.extend(fold.area_stiffness.map(|k| Box::new(Area::of_mesh(mesh, k)) as Box<dyn Goal>));
+    if let Some(c) = &fold.collide {
+        goals.push(Box::new(SphereCollide::of_mesh(mesh, c.diameter_mm, c.stiffness)));
     }
     Ok(goals)
 }

@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use crate::project::line_of;
 use crate::project::{self, Project};
 use crate::{RunError, patterns, softness};
-use softfold_fold::{Goal, Iteration, NewtonOptions, RelaxOptions, Solver, Verdict};
+use softfold_fold::{Goal, Iteration, LbfgsOptions, NewtonOptions, RelaxOptions, Solver, Verdict};
 use softfold_geometry::{CreasePattern, DVec3, FoldedSheet, Issue, SoftPattern};
 use softfold_kernel::{MeshBuffers, MeshView, cgal, occt};
 use softfold_mesh::{Backend, Crosscheck, MeshError, MeshOptions, Meshed, Quality};
@@ -370,6 +370,14 @@ fn solver(fold: &project::Fold) -> Solver {
                 relative_gradient,
                 max_iterations: fold.max_iterations.unwrap_or(d.max_iterations),
                 ..d
+            })
+        }
+        project::Solver::Lbfgs => {
+            let usual = LbfgsOptions::default();
+            Solver::Lbfgs(LbfgsOptions {
+                relative_gradient: fold.relative_gradient.unwrap_or(usual.relative_gradient),
+                max_iterations: fold.max_iterations.unwrap_or(usual.max_iterations),
+                ..usual
             })
         }
         project::Solver::Relax => {

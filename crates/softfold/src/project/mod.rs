@@ -1,14 +1,16 @@
 //! The project file: what a run is asked for. TOML; every key is documented in `fixtures/sculpture/project.toml`.
 
+mod fold;
 mod number;
 mod read;
 mod soften;
 
+pub use fold::{Anchor, Band, CoPlanar, Collide, Floor, Fold, Glue, Load, Plane, Rail, Solver, Start};
 pub use number::{line_of, line_of_entry, line_of_header};
 pub use read::{Outline, Read, Roles};
 pub use soften::{Along, Compensation, Radius, SoftCrease, Soften};
 
-use number::{Number, Range, entry, fault_of, finite, least};
+use number::{Number, Range, fault_of, least};
 use serde::Deserialize;
 use std::path::PathBuf;
 
@@ -116,98 +118,6 @@ impl Default for Material {
             strain_limit: None,
         }
     }
-}
-
-/// `fold.solver`
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
-pub enum Solver {
-    /// Newton's method.
-    #[default]
-    Newton,
-    /// The paper's eq. 4.
-    Relax,
-}
-
-/// `fold.start`
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
-pub enum Start {
-    /// The flat sheet stands on its foot.
-    Upright,
-    /// The flat sheet lies on the ground.
-    #[default]
-    Flat,
-}
-
-/// `[fold]`
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Fold {
-    /// Solver.
-    pub solver: Solver,
-    /// Start.
-    pub start: Start,
-    /// Relative gradient at which to stop.
-    pub relative_gradient: Option<f64>,
-    /// Most iterations.
-    pub max_iterations: Option<u32>,
-    /// Momentum of eq. 4, from 0 (as printed) to below 1.
-    pub momentum: Option<f64>,
-    /// `[[fold.anchors]]`
-    pub anchors: Vec<Anchor>,
-    /// `[[fold.bands]]`
-    pub bands: Vec<Band>,
-    /// `[[fold.planes]]`
-    pub planes: Vec<Plane>,
-}
-
-/// `[[fold.anchors]]`
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Anchor {
-    /// Name.
-    pub name: String,
-    /// Point of the sheet, mm.
-    pub at: [f64; 2],
-    /// Place in space, mm.
-    pub target: [f64; 3],
-    /// Stiffness along x, y, z, N/mm.
-    pub stiffness: [f64; 3],
-}
-
-/// `[[fold.bands]]`
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Band {
-    /// Name.
-    pub name: String,
-    /// One end on the sheet, mm.
-    pub from: [f64; 2],
-    /// The other end, mm.
-    pub to: [f64; 2],
-    /// Length up to which it is slack, mm.
-    pub rest_mm: f64,
-    /// Stiffness, N/mm.
-    pub stiffness: f64,
-}
-
-/// `[[fold.planes]]`
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Plane {
-    /// Name.
-    pub name: String,
-    /// Start of the piece of outline, mm.
-    pub outline_from: [f64; 2],
-    /// Its end, counter-clockwise, mm.
-    pub outline_to: [f64; 2],
-    /// A point of the plane, mm.
-    pub origin: [f64; 3],
-    /// Its normal.
-    pub normal: [f64; 3],
-    /// Stiffness per vertex, N/mm.
-    pub stiffness: f64,
 }
 
 /// `[surface]`
@@ -366,7 +276,7 @@ impl Project {
 
     /// Every number that must lie in a range.
     fn numbers(&self) -> Vec<Number> {
-        use Range::{Finite, Fraction, NotNegative, Positive, Share, Thick};
+        use Range::{Finite, Fraction, NotNegative, Positive, Thick};
         let n = Number::new;
         let mut all = vec![
             n("mesh", "target_edge_mm", self.mesh.target_edge_mm, Positive),
@@ -396,58 +306,10 @@ impl Project {
             ("surface", "spacing_mm", self.surface.spacing_mm),
         ];
         all.extend(optional.into_iter().filter_map(|(t, k, v)| v.map(|v| n(t, k, v, Positive))));
-        all.extend(self.fold.relative_gradient.map(|v| n("fold", "relative_gradient", v, Share)));
-        all.extend(self.fold.momentum.map(|v| n("fold", "momentum", v, Share)));
+        all.extend(self.fold.numbers());
         all.extend(self.read.numbers());
         all.extend(self.soften.numbers());
         all
-    }
-}
-
-impl Fold {
-    fn check(&self, text: &str) -> Result<(), ProjectFault> {
-        for (i, a) in self.anchors.iter().enumerate() {
-            let fine =
-                finite(&a.at) && finite(&a.target) && a.stiffness.iter().all(|k| *k >= 0.0 && k.is_finite());
-            entry(
-                fine,
-                text,
-                "fold.anchors",
-                i,
-                &a.name,
-                "at and target must be finite numbers, stiffness not negative",
-            )?;
-        }
-        for (i, b) in self.bands.iter().enumerate() {
-            let fine = finite(&b.from)
-                && finite(&b.to)
-                && [b.rest_mm, b.stiffness].iter().all(|v| *v >= 0.0 && v.is_finite());
-            entry(
-                fine,
-                text,
-                "fold.bands",
-                i,
-                &b.name,
-                "its ends must be finite numbers, rest_mm and stiffness not negative",
-            )?;
-        }
-        for (i, p) in self.planes.iter().enumerate() {
-            let numbers =
-                finite(&p.outline_from) && finite(&p.outline_to) && finite(&p.origin) && finite(&p.normal);
-            let fine = numbers
-                && p.normal.iter().any(|c| *c != 0.0)
-                && p.stiffness >= 0.0
-                && p.stiffness.is_finite();
-            entry(
-                fine,
-                text,
-                "fold.planes",
-                i,
-                &p.name,
-                "its points must be finite numbers, the normal not zero, stiffness not negative",
-            )?;
-        }
-        Ok(())
     }
 }
 
