@@ -29,8 +29,11 @@ fn run(name: &str, fold: &str) -> (Outcome, PathBuf) {
     (softfold(&[Path::new("fold"), &project, Path::new("--out"), &out]), out)
 }
 
+/// A vertex: its place on the sheet and in space, mm.
+type Vertex = ([f64; 2], [f64; 3]);
+
 /// The report of a run that ends at rest, and the folded vertices with their places on the sheet.
-fn folded(name: &str, fold: &str) -> (Value, Vec<([f64; 2], [f64; 3])>) {
+fn folded(name: &str, fold: &str) -> (Value, Vec<Vertex>) {
     let (said, out) = run(name, fold);
     assert_eq!(said.code, Some(0), "{name}: {}{}", said.stdout, said.stderr);
     let read = |file: &str| std::fs::read_to_string(out.join(file)).unwrap();
@@ -54,7 +57,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// Where the vertex at a place of the sheet is.
-fn at(sheet: &[([f64; 2], [f64; 3])], uv: [f64; 2]) -> [f64; 3] {
+fn at(sheet: &[Vertex], uv: [f64; 2]) -> [f64; 3] {
     let off = |p: &[f64; 2]| (p[0] - uv[0]).hypot(p[1] - uv[1]);
     sheet.iter().min_by(|a, b| off(&a.0).total_cmp(&off(&b.0))).unwrap().1
 }

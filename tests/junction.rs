@@ -38,3 +38,37 @@ fn four_bands_that_meet_fold_into_a_vertex_of_degree_four() {
     let radii: Vec<f64> = profile.iter().map(|p| p["radius_mm"].as_f64().expect("a radius")).collect();
     assert_eq!(radii, [20.0, 20.0, 5.0]);
 }
+
+#[test]
+fn a_slit_opens_when_the_sheet_folds_and_is_refused_before_a_surface() {
+    let folder = fresh("slit");
+    std::fs::create_dir_all(&folder).unwrap();
+    let pattern = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"300mm\" height=\"200mm\" viewBox=\"0 0 300 200\">\n\
+        <rect width=\"300\" height=\"200\" fill=\"none\" stroke=\"#000\"/>\n\
+        <line id=\"a\" x1=\"0\" y1=\"100\" x2=\"110\" y2=\"100\" stroke=\"#00f\"/>\n\
+        <line id=\"b\" x1=\"190\" y1=\"100\" x2=\"300\" y2=\"100\" stroke=\"#00f\"/>\n\
+        <path id=\"slit\" d=\"M110 100 C 130 60 170 60 190 100\" stroke=\"#0f0\"/>\n</svg>\n";
+    std::fs::write(folder.join("p.svg"), pattern).unwrap();
+    let project = folder.join("project.toml");
+    let text = "pattern = \"p.svg\"\n[soften]\nradius_mm = 8\nfold_angle_deg = 50\n[mesh]\ntarget_edge_mm = 12\n[board]\nthickness_mm = 1\n";
+    std::fs::write(&project, text).unwrap();
+    let out = folder.join("out");
+    let said = softfold(&[Path::new("fold"), &project, Path::new("--out"), &out]);
+    assert_eq!(said.code, Some(0), "{}{}", said.stdout, said.stderr);
+    let points = |file: &str| -> Vec<[f64; 3]> {
+        let text = std::fs::read_to_string(out.join(file)).unwrap();
+        let vertex = |l: &str| {
+            let mut p = l.split_whitespace().map(|n| n.parse::<f64>().unwrap());
+            [(); 3].map(|()| p.next().unwrap())
+        };
+        text.lines().filter_map(|l| l.strip_prefix("v ")).map(vertex).collect()
+    };
+    let (flat, folded) = (points("flat.obj"), points("folded.obj"));
+    let away = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+    let lips = (0..flat.len()).flat_map(|i| (0..i).map(move |k| (i, k))).filter(|&(i, k)| flat[i] == flat[k]);
+    let widest = lips.map(|(i, k)| away(folded[i], folded[k])).fold(0.0, f64::max);
+    assert!(widest > 5.0, "the lips part by {widest} mm");
+    let said = softfold(&[Path::new("surface"), &project, Path::new("--out"), &folder.join("surface")]);
+    assert_eq!(said.code, Some(1));
+    assert!(said.stderr.contains("slit") && said.stderr.contains("narrow holes"), "{}", said.stderr);
+}

@@ -105,15 +105,16 @@ impl Hessian {
     }
 }
 
+/// Where block (i, j) of a symmetric matrix stands in its column; none above the diagonal, which is not kept.
+pub(crate) fn place_of(rows: &[Vec<u32>], i: u32, j: u32) -> Option<usize> {
+    let place = (i >= j).then(|| rows[j as usize].binary_search(&i));
+    debug_assert!(!matches!(place, Some(Err(_))), "block {i} {j} was not announced by couplings()");
+    place?.ok()
+}
+
 impl BlockSink for Hessian {
     fn add(&mut self, i: u32, j: u32, block: DMat3) {
-        if i < j {
-            return;
-        }
-        let Ok(place) = self.rows[j as usize].binary_search(&i) else {
-            debug_assert!(false, "block {i} {j} was not announced by couplings()");
-            return;
-        };
+        let Some(place) = place_of(&self.rows, i, j) else { return };
         for c in 0..3 {
             let column = block.col(c);
             let first = self.starts[3 * j as usize + c] + 3 * place;

@@ -4,7 +4,7 @@
 //! the sheet's quadratic energy with the directions forgotten: springs pull as they do in projective dynamics (Bouaziz
 //! et al. 2014), hinges bend as in Bergou et al. (2006). Nowhere less than a third of the Hessian's own energy.
 
-use crate::hessian::{BlockSink, coupled_rows};
+use crate::hessian::{BlockSink, coupled_rows, place_of};
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::LltError;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
@@ -62,13 +62,7 @@ impl Prefactored {
 
 impl BlockSink for Laplacian {
     fn add(&mut self, i: u32, j: u32, block: DMat3) {
-        if i < j {
-            return;
-        }
-        let Ok(place) = self.rows[j as usize].binary_search(&i) else {
-            debug_assert!(false, "block {i} {j} was not announced by couplings()");
-            return;
-        };
+        let Some(place) = place_of(&self.rows, i, j) else { return };
         self.values[self.starts[j as usize] + place] += block.x_axis.x + block.y_axis.y + block.z_axis.z;
     }
 }

@@ -19,6 +19,8 @@ const SHAPES: [&str; 7] = ["path", "line", "polyline", "polygon", "rect", "circl
 const TEMPLATES: [&str; 6] = ["defs", "symbol", "clipPath", "mask", "marker", "pattern"];
 /// Drawn elements that no crease can come from.
 const OTHER_DRAWN: [&str; 3] = ["text", "image", "foreignObject"];
+/// Attributes that hide parts of an element on screen.
+const CLIPS: [&str; 2] = ["clip-path", "mask"];
 /// Attribute that carries a mark.
 const MARK: &str = "data-softfold-mark";
 /// Marks are miter limits that no drawing has, and whole numbers that `f32` holds.
@@ -383,10 +385,12 @@ fn read_shape(node: &Node<'_, '_>, origin: Origin) -> Result<Shape, PatternError
     Ok(Shape { origin, path, layers: layers(node), role, fold_angle_rad: angle, drawn })
 }
 
-/// What drawing programs call layers: `inkscape:label` and id of the groups around an element.
+/// What drawing programs call layers: `inkscape:label`, Illustrator's `data-name` and id of the groups around an
+/// element.
 fn layers(node: &Node<'_, '_>) -> Vec<String> {
     let groups = node.ancestors().skip(1).filter(|a| a.tag_name().name() == "g");
-    let names = groups.flat_map(|g| ["label", "id"].map(|n| g.attributes().find(|a| a.name() == n)));
+    let names =
+        groups.flat_map(|g| ["label", "data-name", "id"].map(|n| g.attributes().find(|a| a.name() == n)));
     names.flatten().map(|a| a.value().to_owned()).filter(|n| !n.trim().is_empty()).collect()
 }
 
@@ -525,5 +529,22 @@ fn note_other_elements(root: &Node<'_, '_>, lines: &Lines, issues: &mut Vec<Issu
             let what = format!("{} <{kind}> ignored", found.len());
             issues.push(issue(Severity::Note, what, "").line(first));
         }
+    }
+    note_clipped(root, lines, issues);
+}
+
+/// Says that what a clip or mask hides is read all the same.
+fn note_clipped(root: &Node<'_, '_>, lines: &Lines, issues: &mut Vec<Issue>) {
+    let none = |value: &str| value.trim() == "none";
+    let style = |n: &Node<'_, '_>| {
+        n.attribute("style").is_some_and(|s| s.contains("clip-path") || s.contains("mask:"))
+    };
+    let clipped =
+        |n: &Node<'_, '_>| CLIPS.iter().any(|c| n.attribute(*c).is_some_and(|v| !none(v))) || style(n);
+    let found: Vec<u32> = root.descendants().filter(clipped).map(|n| lines.of(n.range().start)).collect();
+    if let Some(&first) = found.first() {
+        let what = format!("{} clipped or masked: what that hides is read as well", found.len());
+        let mend = "release the clips, and cut the lines themselves if that matters";
+        issues.push(issue(Severity::Note, what, mend).line(first));
     }
 }

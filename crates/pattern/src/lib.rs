@@ -12,14 +12,16 @@
 //! | `fold`, `dxf`, `lines`, `cp`, `opx`, `ori` | the other formats |
 //! | `write` | patterns as SVG, FOLD and .cp |
 //! | `normalise` | strokes to a pattern |
-//! | `smooth`, `refit` | dense polylines to smooth curves |
+//! | `smooth`, `refit`, `fair`, `apart` | dense polylines to smooth curves |
 
+mod apart;
 mod colour;
 mod cp;
 mod document;
 mod drawing;
 pub mod dxf;
 mod error;
+mod fair;
 mod fold;
 mod lines;
 mod normalise;

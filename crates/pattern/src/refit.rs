@@ -5,6 +5,7 @@
 //! goes through its vertices, and kurbo's fitter (Levien, "Simplifying Bézier paths", area and moment matched
 //! cubics) follows the spline with few G1 cubics.
 
+use crate::fair::faired;
 use kurbo::{CurveFitSample, ParamCurve, ParamCurveFit, ParamCurveNearest, PathEl, PathSeg, Point, Vec2};
 use softfold_geometry::{DVec2, Segment, polygon};
 use std::ops::Range;
@@ -18,8 +19,9 @@ const SHARPEST_TURN_RAD: f64 = 0.35;
 const SHARPEST_WIGGLE_RAD: f64 = 0.105;
 /// Neighbouring lines of sampled curves differ in length by at most this factor.
 const MOST_UNEVEN: f64 = 12.0;
-/// Share of the tolerance that the fit may use; the rest is for the fitter's own estimate of its error.
-const FIT_SHARE: f64 = 0.7;
+/// Ways to share the tolerance: how far vertices may move against the noise of their rounding, and what the fit may
+/// use. The rest is for the fitter's own estimate of its error.
+const SHARES: [[f64; 2]; 4] = [[0.0, 0.7], [0.4, 0.4], [0.75, 0.2], [0.9, 0.1]];
 /// A refitted run has fewer segments than this share of its lines, or it stays as it was drawn.
 const MOST_KEPT: f64 = 0.7;
 
@@ -86,19 +88,21 @@ impl Refit {
         if lines < LEAST_LINES {
             return false;
         }
-        let spline = Spline::through(points, ring);
-        let fitted = cubics(&spline, points, ring, FIT_SHARE * tolerance_mm);
-        let worst =
-            |ps: &mut dyn Iterator<Item = DVec2>| ps.map(|p| distance(&fitted, p)).fold(0.0, f64::max);
-        let largest = worst(&mut points.iter().copied());
-        if fitted.is_empty() || fitted.len() as f64 > MOST_KEPT * lines as f64 || largest > tolerance_mm {
-            return false;
-        }
+        let mut fits = SHARES.map(|shares| fit(points, ring, shares.map(|s| s * tolerance_mm)));
+        // The fewest pieces; of as few, those that move the vertices least.
+        fits.sort_by_key(Vec::len);
+        let few = |f: &&Vec<Segment>| !f.is_empty() && f.len() as f64 <= MOST_KEPT * lines as f64;
+        let good = fits.iter().filter(few).find_map(|f| {
+            let pieces = Pieces::new(f);
+            let largest = pieces.worst(points.iter().copied());
+            (largest <= tolerance_mm).then_some((f, pieces, largest))
+        });
+        let Some((fitted, pieces, largest)) = good else { return false };
         let middles = points.windows(2).map(|w| 0.5 * (w[0] + w[1]));
-        self.bulge_mm = self.bulge_mm.max(worst(&mut { middles }));
+        self.bulge_mm = self.bulge_mm.max(pieces.worst(middles));
         self.largest_mm = self.largest_mm.max(largest);
         self.vertices += if ring { lines } else { lines - 1 };
-        self.segments.extend(fitted);
+        self.segments.extend_from_slice(fitted);
         true
     }
 }
@@ -247,6 +251,31 @@ impl ParamCurveFit for Spline {
     }
 }
 
+/// The cubics along the vertices, which may move by `fair_mm` first; a ring's first as well.
+fn fit(points: &[DVec2], ring: bool, [fair_mm, accuracy_mm]: [f64; 2]) -> Vec<Segment> {
+    // Far from the origin the areas and moments that the fitter matches would lose their digits.
+    let origin = points[0];
+    let mut local: Vec<DVec2> = points.iter().map(|p| *p - origin).collect();
+    if fair_mm > 0.0 {
+        local = faired(&local, ring, fair_mm);
+    }
+    let fitted = cubics(&Spline::through(&local, ring), &local, ring, accuracy_mm);
+    let mut segments: Vec<Segment> = fitted.iter().map(|s| moved(s, origin)).collect();
+    if let (false, Some(Segment::Line { to, .. } | Segment::Cubic { to, .. })) = (ring, segments.last_mut()) {
+        *to = points[points.len() - 1];
+    }
+    segments
+}
+
+fn moved(segment: &Segment, by: DVec2) -> Segment {
+    match *segment {
+        Segment::Line { from, to } => Segment::Line { from: from + by, to: to + by },
+        Segment::Cubic { from, c1, c2, to } => {
+            Segment::Cubic { from: from + by, c1: c1 + by, c2: c2 + by, to: to + by }
+        }
+    }
+}
+
 /// The fitted cubics with their ends set to the points exactly.
 fn cubics(spline: &Spline, points: &[DVec2], ring: bool, accuracy_mm: f64) -> Vec<Segment> {
     let vector = |p: Point| DVec2::new(p.x, p.y);
@@ -270,12 +299,38 @@ fn cubics(spline: &Spline, points: &[DVec2], ring: bool, accuracy_mm: f64) -> Ve
     if segments.iter().all(finite) { segments } else { Vec::new() }
 }
 
-/// Distance of a point from a chain of segments.
-fn distance(segments: &[Segment], p: DVec2) -> f64 {
+/// A chain of segments with the boxes of their control points, to measure distances from.
+struct Pieces<'a>(Vec<(&'a Segment, DVec2, DVec2)>);
+
+impl<'a> Pieces<'a> {
+    fn new(segments: &'a [Segment]) -> Self {
+        let boxed = |s: &'a Segment| {
+            let (low, high) = polygon::bounds(&s.control_points());
+            (s, low, high)
+        };
+        Self(segments.iter().map(boxed).collect())
+    }
+
+    /// Largest distance of points from the chain.
+    fn worst(&self, points: impl Iterator<Item = DVec2>) -> f64 {
+        points.map(|p| self.distance(p)).fold(0.0, f64::max)
+    }
+
+    /// Distance of a point from the chain.
+    fn distance(&self, p: DVec2) -> f64 {
+        self.0.iter().fold(f64::INFINITY, |nearest, &(segment, low, high)| {
+            let outside = p.distance(p.clamp(low, high));
+            if outside < nearest { nearest.min(distance(segment, p)) } else { nearest }
+        })
+    }
+}
+
+/// Distance of a point from a segment.
+fn distance(segment: &Segment, p: DVec2) -> f64 {
     /// Share of a mm to which the nearest point is found.
     const ACCURACY: f64 = 1e-9;
     let point = |q: DVec2| Point::new(q.x, q.y);
-    let near = |s: &Segment| match *s {
+    match *segment {
         Segment::Line { from, to } => polygon::segment_distance(p, from, to),
         Segment::Cubic { from, c1, c2, to } => {
             let cubic = PathSeg::Cubic(kurbo::CubicBez::new(point(from), point(c1), point(c2), point(to)));
@@ -283,8 +338,7 @@ fn distance(segments: &[Segment], p: DVec2) -> f64 {
             let found = cubic.nearest(point(p), ACCURACY).distance_sq.sqrt();
             found.min(cubic.start().distance(point(p))).min(cubic.end().distance(point(p)))
         }
-    };
-    segments.iter().map(near).fold(f64::INFINITY, f64::min)
+    }
 }
 
 #[cfg(test)]
@@ -316,6 +370,18 @@ mod tests {
         // Sagitta of the chords that were drawn.
         let sagitta = 500.0 * (1.0 - (0.025_f64).cos());
         assert!((r.bulge_mm - sagitta).abs() < 0.02, "{} {sagitta}", r.bulge_mm);
+    }
+
+    #[test]
+    fn far_from_the_origin_the_fit_is_the_same() {
+        let points: Vec<DVec2> =
+            arc(50.0, 0.2, 2.7, 120).iter().map(|p| (*p * 100.0).round() / 100.0).collect();
+        let far: Vec<DVec2> = points.iter().map(|p| *p + DVec2::new(1e6, -2e6)).collect();
+        let [near, far] = [points, far].map(|p| refit(&lines(&p), false, 0.01).unwrap().segments);
+        assert_eq!(near.len(), far.len());
+        for (a, b) in near.iter().zip(&far) {
+            assert!(moved(a, DVec2::new(1e6, -2e6)).to().distance(b.to()) < 1e-4);
+        }
     }
 
     #[test]

@@ -602,3 +602,47 @@ fn drawings_beyond_all_measure_are_refused() {
     let error = refused(&sheet(&format!(r#"<path d="{hatch}" stroke="red"/>"#)));
     assert!(matches!(error.error, PatternError::TooMuch(_)), "{}", error.error);
 }
+
+#[test]
+fn outline_lines_that_stop_short_of_their_corner_are_led_to_it() {
+    let file = read(&page(
+        "<path id='a' d='M0 0H199.8' stroke='black'/><path id='b' d='M200 0.1V100' stroke='black'/>\
+         <path d='M200 100H0V0' stroke='black'/>",
+    ));
+    warned(&file, &["gap of 0.224 mm", "'a' (line 2)", "'b' (line 2)"]);
+    let corner = |s: &softfold_geometry::Segment| s.from().distance(v(200.0, 0.0)) < 1e-9;
+    assert!(file.pattern.outline.segments().iter().any(corner), "{:?}", file.pattern.outline);
+    assert!((file.pattern.area_mm2() - 2e4).abs() < 1e-6);
+}
+
+#[test]
+fn slits_are_named_with_their_lines() {
+    let file = read(&sheet(
+        "<path id='c' d='M50 20V50' stroke='lime'/>\n<path id='d' d='M90 20V50' stroke='lime'/>",
+    ));
+    noted(&file, &["2 open cuts are slits", "'c' (line 3)", "'d' (line 4)"]);
+}
+
+#[test]
+fn an_outline_drawn_twice_a_little_apart_is_one_fault_with_a_mend() {
+    let twice = sheet("<path id='again' d='M0.02 0.01H200.01V99.99H0.02Z' stroke='black'/>");
+    let refused = refused(&twice);
+    let above: Vec<&Issue> = refused.issues.iter().filter(|i| i.severity > Severity::Note).collect();
+    let [only] = above[..] else { panic!("{above:#?}") };
+    assert!(only.to_string().contains("'outline'") && only.mend.contains("join_mm"), "{only}");
+    // And the mend works.
+    let file = read_with(&twice, &ReadOptions { join_mm: Some(0.05), ..ReadOptions::default() });
+    assert!((file.pattern.area_mm2() - 2e4).abs() < 5.0);
+}
+
+#[test]
+fn a_frame_around_the_sheet_is_offered_for_deletion() {
+    let file = read(&sheet(
+        "<path d='M20 20H180V80H20Z' stroke='black'/><path id='m' d='M100 20V80' stroke='red'/>",
+    ));
+    assert!(warned(&file, &["inside a hole", "'m'"]).mend.contains("frame around the sheet, delete it"));
+    let file = read(&sheet(
+        "<path d='M20 20H180V80H20Z' stroke='black'/><path d='M100 20V80' stroke='red'/><path d='M10 0V100' stroke='red'/>",
+    ));
+    assert!(warned(&file, &["inside a hole"]).mend.contains("on the sheet"));
+}

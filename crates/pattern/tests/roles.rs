@@ -49,6 +49,13 @@ fn the_users_word_wins_over_everything() {
 }
 
 #[test]
+fn the_name_that_illustrator_keeps_beside_the_id_is_a_layers_name() {
+    let body = r#"<g id="Up_2" data-name="Up folds"><path d="M20 0V100" stroke="black"/></g>"#;
+    let layers = [("Up folds".to_owned(), Some(Role::Valley))].into();
+    assert_eq!(letters(&file(body, RoleMap { layers, ..RoleMap::default() })), "V");
+}
+
+#[test]
 fn the_innermost_layer_decides() {
     let body = r#"<g id="outer"><g id="inner"><path d="M20 0V100" stroke="red"/></g></g>"#;
     let layers = [("outer".to_owned(), Some(Role::Flat)), ("inner".to_owned(), Some(Role::Valley))].into();

@@ -499,3 +499,11 @@ proptest! {
         let _ = read_svg(&drawing(&d), "t", &ReadOptions::default()).is_err();
     }
 }
+
+#[test]
+fn clips_are_told_because_what_they_hide_is_read() {
+    let file = read(&drawing(
+        "<clipPath id='c'><rect width='10' height='10'/></clipPath>\n<path d='M50 0V100' stroke='red' clip-path='url(#c)'/>",
+    ));
+    assert_says(warning(&file, "clipped or masked"), &["line 4", "1 clipped"]);
+}

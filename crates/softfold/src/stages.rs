@@ -248,8 +248,25 @@ pub fn run(loaded: &Loaded, until: Stage, progress: &mut dyn Progress) -> Result
         let seconds = start.elapsed().as_secs_f64();
         results.seconds.push((stage.name(), seconds));
         progress.end(stage.name(), seconds, &word);
+        if stage == Stage::Pattern && until >= Stage::Surface {
+            refuse_slits(loaded, made(results.pattern.as_ref())?)?;
+        }
     }
     Ok(results)
+}
+
+/// One face follows no slit: told before the minutes that lead to it.
+fn refuse_slits(loaded: &Loaded, pattern: &CreasePattern) -> Result<(), RunError> {
+    let Some(slit) = pattern.slits.first() else { return Ok(()) };
+    let p = slit.end(0);
+    let message = format!(
+        "the sheet has {} slit(s), the first from ({:.3}, {:.3}) mm; a surface is made of sheets without them: fold it with \
+         `softfold fold`, or draw narrow holes in their place",
+        pattern.slits.len(),
+        p.x,
+        p.y
+    );
+    Err(RunError::in_file(&loaded.pattern_path, None, message))
 }
 
 /// A stage: takes what is there, adds its own, and says it in a few words.

@@ -2,6 +2,7 @@
 
 use super::frames::Frame;
 use super::json::{self, kind, malformed, number_fault, told};
+use crate::error::{Origin, list};
 use crate::{PatternError, colour};
 use serde_json::Value;
 use softfold_geometry::{DVec3, Issue, Role, Severity};
@@ -181,6 +182,15 @@ fn assignments(
             || malformed(&frame.item(KEY, e), format!("it is {}, none of B, M, V, F, U, C, J", kind(value)));
         role.map(Assignment::Role).ok_or_else(fault)
     };
+    let without: Vec<Origin> = (0..letters.len())
+        .filter(|&e| letters[e].is_null())
+        .map(|e| Origin { label: format!("edge {e}"), ..Origin::default() })
+        .collect();
+    if !without.is_empty() {
+        let what =
+            format!("without assignment, so boundary at one face, else unassigned: {}", list(&without));
+        issues.push(told(Severity::Note, &frame.entry(KEY), what, "assign mountains and valleys"));
+    }
     letters.iter().enumerate().map(letter).collect()
 }
 

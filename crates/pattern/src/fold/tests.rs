@@ -99,6 +99,19 @@ fn the_plural_of_fold_1_0_is_read() {
 }
 
 #[test]
+fn edges_whose_assignment_is_null_are_told() {
+    let edges =
+        r#""edges_vertices": [[0,1],[1,2],[2,3],[3,0],[1,3]], "edges_assignment": ["B","B","B","B",null]"#;
+    let (strokes, issues) = read(&format!(r#"{{"vertices_coords": {FLAT}, {edges}}}"#));
+    assert_eq!(strokes[4].role, Role::Unassigned);
+    assert!(
+        said(&issues).contains("without assignment") && said(&issues).contains("'edge 4'"),
+        "{}",
+        said(&issues)
+    );
+}
+
+#[test]
 fn without_assignments_edges_of_one_face_are_boundary() {
     let bare = |more: &str| {
         let more = format!(r#""edges_vertices": [[0,1],[1,2],[2,3],[3,0],[1,3]]{more}"#);

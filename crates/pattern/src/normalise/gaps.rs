@@ -254,6 +254,18 @@ fn describe(drawing: &Drawing<'_>, graph: &Graph, ends: &[End], i: usize, aim: &
     (first.subpath, found)
 }
 
+/// Where two straight lines would meet that both stop short of their corner.
+fn corner(graph: &Graph, a: &End, b: &End, gap_mm: f64) -> Option<DVec2> {
+    let line = |e: &End| matches!(graph.edges[e.half.edge()].segment, Segment::Line { .. });
+    let turns = a.ahead.angle_to(-b.ahead).abs() > AHEAD_RAD;
+    if !turns || !line(a) || !line(b) || a.half.edge() == b.half.edge() {
+        return None;
+    }
+    let (gap, sine) = (b.at - a.at, a.ahead.perp_dot(b.ahead));
+    let legs = [gap.perp_dot(b.ahead) / sine, gap.perp_dot(a.ahead) / sine];
+    legs.iter().all(|leg| (0.0..=gap_mm).contains(leg)).then(|| a.at + legs[0] * a.ahead)
+}
+
 /// Looks for what is near an end.
 struct Search<'a> {
     graph: &'a Graph,
@@ -377,6 +389,9 @@ impl Moves {
         let end = &ends[i];
         let ahead = |e: &End, p: DVec2| e.ahead.angle_to(p - e.at).abs() <= AHEAD_RAD;
         let other = aim.other.map(|o| &ends[o]);
+        if let Some((o, at)) = other.and_then(|o| Some((o, corner(graph, end, o, aim.gap_mm)?))) {
+            return self.is_free(o.half.edge()) && self.extend(graph, end, at) && self.extend(graph, o, at);
+        }
         if aim.on_ray || ahead(end, aim.at) {
             return self.extend(graph, end, aim.at);
         }

@@ -49,8 +49,12 @@ pub(super) fn tell(
         }
     }
     told.push_all(trimmed);
-    ignored(drawing, &beyond, "outside the sheet", told);
-    ignored(drawing, &in_holes, "inside a hole", told);
+    let mend = "delete it, or draw it on the sheet";
+    ignored(drawing, &beyond, "outside the sheet", mend, told);
+    let creased = |(e, place): (&Edge, &Where)| *place == Where::Inside && folds(e.role);
+    let frame = !graph.edges.iter().zip(&sheet.places).any(creased);
+    let mend = if frame { "if the outermost contour is a frame around the sheet, delete it" } else { mend };
+    ignored(drawing, &in_holes, "inside a hole", mend, told);
 }
 
 /// The edges of each subpath, in their order along it.
@@ -67,12 +71,11 @@ fn subpaths(graph: &Graph) -> BTreeMap<u32, Vec<usize>> {
     subpaths
 }
 
-fn ignored(drawing: &Drawing<'_>, strokes: &BTreeSet<usize>, place: &str, told: &mut Told<'_>) {
+fn ignored(drawing: &Drawing<'_>, strokes: &BTreeSet<usize>, place: &str, mend: &str, told: &mut Told<'_>) {
     let origins: Vec<Origin> = strokes.iter().map(|s| drawing.strokes[*s].origin.clone()).collect();
     if let Some(first) = origins.first() {
         let what = format!("what lies {place} is ignored: {}", list(&origins));
-        let found = issue(Severity::Warning, what, "delete it, or draw it on the sheet");
-        told.push(found.of(first));
+        told.push(issue(Severity::Warning, what, mend).of(first));
     }
 }
 

@@ -160,7 +160,8 @@ fn guessed(
     {
         let coloured = make_rim(drawing, graph, &sheets);
         let what = format!("the outline is drawn in crease colours: {}", list(&coloured));
-        told.push(warning(what, "draw the outline with a black stroke (#000000)", graph, &sheets));
+        let mend = "draw the outline as boundary: black (#000000), or B in FOLD";
+        told.push(warning(what, mend, graph, &sheets));
         return Ok(sheets);
     }
     let mut mend = "draw a closed outline with a black stroke (#000000)".to_owned();

@@ -8,7 +8,7 @@ use super::region::{Region, by_area, depths};
 use super::segment;
 use super::told::Told;
 use crate::PatternError;
-use crate::error::{Origin, Place, issue};
+use crate::error::{Origin, Place, issue, list};
 use softfold_geometry::{Issue, Role, Severity, Tolerance};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -113,15 +113,16 @@ fn refuse_crossings(drawing: &Drawing<'_>, graph: &Graph, places: &mut [Where], 
     let origin = |s: &u32| &drawing.strokes[drawing.subpaths[*s as usize].stroke].origin;
     let met = inner.iter().flat_map(|&e| graph.edges[e].nodes).find(|n| rim.contains(n));
     let at = graph.points[met.unwrap_or_default() as usize];
+    inner.iter().for_each(|&e| places[e] = Where::Gone);
     if first == last {
         let what = "the boundary crosses itself; its outer contour is the outline";
         let found = issue(Severity::Warning, what, "redraw it without the crossing");
         told.push(found.of(origin(first)).at(at));
-        inner.iter().for_each(|&e| places[e] = Where::Gone);
         return;
     }
     let what = format!("it crosses the boundary {}", origin(first));
-    let found = issue(Severity::Error, what, "keep outline and holes apart").of(origin(last)).at(at);
+    let mend = "keep outline and holes apart; if one outline is drawn twice, delete one or join wider gaps (join_mm)";
+    let found = issue(Severity::Error, what, mend).of(origin(last)).at(at);
     told.refuse(PatternError::Outline(found));
 }
 
@@ -233,10 +234,11 @@ fn run_origin(drawing: &Drawing<'_>, graph: &Graph, run: &[Half]) -> Origin {
 /// Cuts are told in one note, open boundaries one by one.
 fn tell_slits(drawing: &Drawing<'_>, graph: &Graph, slits: &[Vec<Half>], told: &mut Told<'_>) {
     let is_cut = |run: &&Vec<Half>| run.iter().all(|h| graph.edges[h.edge()].role == Role::Cut);
-    let cuts = slits.iter().filter(is_cut).count();
-    if cuts > 0 {
-        let are = if cuts == 1 { "open cut is a slit" } else { "open cuts are slits" };
-        told.note(format!("{cuts} {are}"));
+    let cuts: Vec<Origin> = slits.iter().filter(is_cut).map(|run| run_origin(drawing, graph, run)).collect();
+    if let Some(first) = cuts.first() {
+        let are = if cuts.len() == 1 { "open cut is a slit" } else { "open cuts are slits" };
+        let what = format!("{} {are}: {}", cuts.len(), list(&cuts));
+        told.push(issue(Severity::Note, what, "").of(first));
     }
     let open = slits.iter().filter(|s| !is_cut(s)).map(|run| {
         let what = "a boundary line that closes no loop is a slit";
@@ -266,7 +268,8 @@ fn warn_of_splits(
         let [from, to] = [graph.node(run[0]), graph.node(run[run.len() - 1].twin())];
         if !groups.unite(from, to) {
             let what = "the slit splits the sheet in two";
-            let mend = "leave a bridge, or make each part a sheet of its own";
+            let mend =
+                "leave a bridge, make each part a sheet of its own, or draw a notch as part of the outline";
             let found = issue(Severity::Warning, what, mend);
             splits.push(found.of(&run_origin(drawing, graph, run)).at(graph.points[from]));
         }
