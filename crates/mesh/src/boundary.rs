@@ -39,6 +39,9 @@ struct Flat {
 const CORNER_RAD: f64 = 0.05;
 /// Places on a curve closer than this share of the target, or of the narrowest row where that is less, are one.
 const SAME_PLACE: f64 = 1e-3;
+/// Ends of fold lines closer than this, in the same measure, to a corner, to where curves meet or to each other are
+/// moved there: the sliver between them would have an angle of no degree.
+const NEAR_CORNER: f64 = 1e-2;
 /// A closed curve without corners needs so many edges.
 const LEAST_PIECES_OF_A_LOOP: usize = 8;
 /// A slit between two free tips opens only if there is a vertex between them.
@@ -56,22 +59,43 @@ impl<'a> Boundaries<'a> {
         let met = vec![Vec::new(); curves.len()];
         let mut boundaries = Self { curves, anchors, meetings: vec![], met, same_mm, flat };
         boundaries.find_meetings(soft);
-        let ends = soft.bands.iter().flat_map(|b| &b.fold_lines).flat_map(|l| l.ends);
-        for end in ends.filter_map(LineEnd::on_boundary) {
-            if let Some(anchors) = boundaries.anchors.get_mut(end.loop_id.index()) {
-                anchors.push(end.s_mm);
-            }
-        }
+        let mut meetings = vec![Vec::new(); boundaries.curves.len()];
         for (i, meeting) in boundaries.meetings.iter().enumerate() {
             for &(curve, s_mm) in &meeting.places {
-                boundaries.anchors[curve].push(s_mm);
+                meetings[curve].push(s_mm);
                 boundaries.met[curve].push((s_mm, i));
             }
         }
-        for curve in 0..boundaries.curves.len() {
+        let mut ends = vec![Vec::new(); boundaries.curves.len()];
+        let lines = soft.bands.iter().flat_map(|b| &b.fold_lines).flat_map(|l| l.ends);
+        for end in lines.filter_map(LineEnd::on_boundary) {
+            if let Some(ends) = ends.get_mut(end.loop_id.index()) {
+                ends.push(end.s_mm);
+            }
+        }
+        let near_mm = same_mm * NEAR_CORNER / SAME_PLACE;
+        for (curve, (meetings, ends)) in meetings.into_iter().zip(ends).enumerate() {
+            boundaries.anchor(curve, meetings, same_mm);
+            boundaries.anchor(curve, ends, near_mm);
             boundaries.tidy_anchors(curve);
         }
         boundaries
+    }
+
+    /// Adds the places that are not as near as that to each other or to places known before.
+    fn anchor(&mut self, curve: usize, mut places: Vec<f64>, near_mm: f64) {
+        let (line, known) = (self.curves[curve], &mut self.anchors[curve]);
+        let total = line.length_mm();
+        let round = |s: f64| if line.is_closed() { [s - total, s, s + total] } else { [s; 3] };
+        known.sort_by(f64::total_cmp);
+        let is_known = |s: f64| {
+            let next = known.partition_point(|k| *k < s - near_mm);
+            known.get(next).is_some_and(|k| *k <= s + near_mm)
+        };
+        places.retain(|s| !round(*s).into_iter().any(is_known));
+        places.sort_by(f64::total_cmp);
+        places.dedup_by(|a, b| *a - *b < near_mm);
+        known.extend(places);
     }
 
     /// Sorted, and places that are one only once.

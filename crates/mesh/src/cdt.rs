@@ -3,6 +3,7 @@
 use crate::MeshError;
 use glam::DVec2;
 use softfold_geometry::{CreaseId, LoopId, VertexId};
+use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -98,7 +99,16 @@ fn spade_triangles(graph: &PlanarGraph) -> Result<Vec<[VertexId; 3]>, MeshError>
     if cdt.num_vertices() != graph.points.len() {
         return Err(MeshError::Triangulation("two points of the mesh coincide".to_owned()));
     }
+    if cdt.num_constraints() != graph.constraints.len() {
+        let is_whole = |e: [usize; 2]| cdt.get_edge_from_neighbors(vertex(e[0]), vertex(e[1])).is_some();
+        let cut = graph.constraints.iter().map(|(e, _)| e.map(VertexId::index)).find(|e| !is_whole(*e));
+        return Err(crossing(graph, cut.unwrap_or_default()));
+    }
     Ok(cdt.inner_faces().map(|f| f.vertices().map(|v| VertexId::new(v.fix().index()))).collect())
+}
+
+fn vertex(index: usize) -> FixedVertexHandle {
+    FixedVertexHandle::from_index(index)
 }
 
 /// Names the two constraints of which one was refused.
@@ -123,7 +133,7 @@ fn cgal_triangles(graph: &PlanarGraph) -> Result<Vec<[VertexId; 3]>, MeshError> 
     let points: Vec<[f64; 2]> = graph.points.iter().map(|p| p.to_array()).collect();
     let edges: Vec<[u32; 2]> = graph.constraints.iter().map(|(e, _)| e.map(|v| v.0)).collect();
     let cdt = softfold_kernel::cgal::constrained_delaunay(&points, &edges)?;
-    if cdt.points.len() != points.len() {
+    if cdt.points.len() != points.len() || cdt.constraints.len() != edges.len() {
         return Err(MeshError::Triangulation("constraints cross or points coincide".to_owned()));
     }
     Ok(cdt.triangles.iter().map(|t| t.map(VertexId)).collect())

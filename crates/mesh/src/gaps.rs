@@ -23,6 +23,8 @@ pub(crate) struct Piece {
 const SHORTEST: f64 = 1.0 / 64.0;
 /// The same where two lines leave one point: the angle between them is the pattern's, not ours to mend.
 const SHORTEST_IN_CORNER: f64 = 0.125;
+/// Edges next to a short piece are longer by no more than this factor.
+const BESIDE_SHORT: f64 = 1.5;
 /// Lines that part from one point more steeply than this (distance over way from that point; 30°) need no care.
 const PARTING: f64 = 0.5;
 /// Ends of pieces nearer than this share of the target are one point.
@@ -74,7 +76,7 @@ impl Gaps<'_> {
     /// A short piece gets neighbours that are not much longer.
     fn short(&self, piece: usize, sources: &mut Vec<Source>) {
         let Piece { points, least_edges, .. } = &self.pieces[piece];
-        let factor = if *least_edges > 1.0 { 1.0 } else { MOST_ASPECT };
+        let factor = if *least_edges > 1.0 { 1.0 } else { BESIDE_SHORT };
         let size = factor * self.lengths[piece] / least_edges;
         if size < self.target_mm {
             let size = size.max(SHORTEST * self.target_mm);

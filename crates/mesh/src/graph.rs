@@ -4,12 +4,13 @@ use crate::boundary::Boundaries;
 use crate::cdt::Constraint;
 use crate::gaps::Piece;
 use crate::rows::{Sample, rows};
+use crate::shared::SharedPoints;
 use crate::size::SizeField;
 use crate::stretch::{Stretch, stretches};
 use crate::{MeshOptions, places};
 use glam::DVec2;
 use softfold_geometry::{LineEnd, LoopId, OutlinePoint, Site, SoftPattern, VertexId, polygon};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Collects points with their sites and the constraints between them.
 pub(crate) struct GraphBuilder<'a> {
@@ -25,7 +26,7 @@ pub(crate) struct GraphBuilder<'a> {
     /// Per boundary curve: arc length and vertex of each point on it, ascending.
     on_curves: Vec<Vec<(f64, VertexId)>>,
     /// Vertices of the points in which lines meet.
-    at_points: BTreeMap<[u64; 2], VertexId>,
+    at_points: SharedPoints,
     /// Vertices of the meetings of boundary curves.
     at_meetings: Vec<Option<VertexId>>,
 }
@@ -50,16 +51,18 @@ impl<'a> GraphBuilder<'a> {
             constraints: vec![],
             constrained: BTreeSet::new(),
             on_curves: vec![Vec::new(); boundaries.curves.len()],
-            at_points: BTreeMap::new(),
+            // A line may end off its mark by as much as it may be off its curve.
+            at_points: SharedPoints::new(soft.tolerance.chord_mm.min(boundaries.same_mm)),
             at_meetings: vec![None; boundaries.meetings.len()],
         }
     }
 
     pub(crate) fn build(mut self) -> Graph {
         (0..self.boundaries.curves.len()).for_each(|curve| self.boundary(curve));
+        self.points.iter().enumerate().for_each(|(v, p)| self.at_points.insert(*p, VertexId::new(v)));
         for (meeting, vertex) in self.boundaries.meetings.iter().zip(&self.at_meetings) {
             if let Some(v) = vertex {
-                self.at_points.insert(key(meeting.point), *v);
+                self.at_points.insert(meeting.point, *v);
             }
         }
         let soft = self.soft;
@@ -76,21 +79,21 @@ impl<'a> GraphBuilder<'a> {
         VertexId::new(self.points.len() - 1)
     }
 
-    /// The vertex of a point that lines may share, equal to the last bit.
+    /// The vertex of a point that lines may share.
     fn shared_vertex(&mut self, point: DVec2, site: Site) -> VertexId {
-        match self.at_points.get(&key(point)) {
-            Some(&known) => known,
+        match self.at_points.find(point) {
+            Some(known) => known,
             None => {
                 let new = self.vertex(point, site);
-                self.at_points.insert(key(point), new);
+                self.at_points.insert(point, new);
                 new
             }
         }
     }
 
-    /// Where two constraints would make one edge, the first one stays.
+    /// Where two constraints would make one edge, the first one stays; ends that are one make none.
     fn constrain(&mut self, edge: [VertexId; 2], constraint: Constraint) {
-        if self.constrained.insert(sorted(edge)) {
+        if edge[0] != edge[1] && self.constrained.insert(sorted(edge)) {
             self.constraints.push((edge, constraint));
         }
     }
@@ -183,7 +186,7 @@ impl<'a> GraphBuilder<'a> {
     fn known_end(&self, end: LineEnd, point: DVec2) -> Option<VertexId> {
         match end {
             LineEnd::Boundary(place) => self.boundary_vertex(place),
-            _ => self.at_points.get(&key(point)).copied(),
+            _ => self.at_points.find(point),
         }
     }
 
@@ -235,7 +238,7 @@ impl<'a> GraphBuilder<'a> {
         let constraint = Constraint::Junction { junction: number as u32 };
         for (a, b) in polygon::edges(&self.soft.junctions[number].polygon) {
             let ends = [a, b].map(|p| self.shared_vertex(p, Site::Interior));
-            if a == b || self.constrained.contains(&sorted(ends)) || self.on_boundary(ends) {
+            if ends[0] == ends[1] || self.constrained.contains(&sorted(ends)) || self.on_boundary(ends) {
                 continue;
             }
             let length = a.distance(b);
@@ -288,11 +291,6 @@ pub(crate) fn pieces(soft: &SoftPattern, boundaries: &Boundaries<'_>) -> Vec<Pie
 
 fn sorted([a, b]: [VertexId; 2]) -> [VertexId; 2] {
     [a.min(b), a.max(b)]
-}
-
-/// A point to the last bit; both zeros are one.
-fn key(p: DVec2) -> [u64; 2] {
-    (p + DVec2::ZERO).to_array().map(f64::to_bits)
 }
 
 /// The boundary polygons of a graph, by loop.

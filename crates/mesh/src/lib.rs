@@ -12,6 +12,7 @@ mod gaps;
 mod graph;
 mod inside;
 mod interior;
+mod locate;
 mod mend;
 mod places;
 mod quality;
@@ -19,13 +20,17 @@ mod relax;
 mod rings;
 mod rng;
 mod rows;
+mod shared;
 mod size;
 mod split;
 mod stretch;
+mod transfer;
 
 pub use cdt::{Backend, Constraint, PlanarGraph, Triangulated, triangulate};
 pub use crosscheck::{Crosscheck, crosscheck};
+pub use locate::Locator;
 pub use quality::{Quality, quality};
+pub use transfer::{transfer, transfer_smooth};
 
 use boundary::Boundaries;
 use glam::DVec2;
@@ -40,6 +45,10 @@ pub struct MeshOptions {
     pub target_edge_mm: f64,
     /// Length of a triangle along a band over its strip's width.
     pub band_aspect: f64,
+    /// The same at most, in strips that are narrow beside the target: there rows are as long as a quarter of the
+    /// target, up to so many times the width. Rows of neighbouring lines are set off by half their length, so the
+    /// smallest angle inside such strips is `atan(2 / aspect)`: 22° for 5.
+    pub narrow_aspect: f64,
     /// Growth of the edge length per mm of distance from a band.
     pub grading: f64,
     /// Rounds of relaxation.
@@ -55,6 +64,7 @@ impl Default for MeshOptions {
         Self {
             target_edge_mm: 20.0,
             band_aspect: 1.4,
+            narrow_aspect: 5.0,
             grading: 0.25,
             relaxation_rounds: 12,
             seed: 1,
@@ -187,6 +197,7 @@ fn check_options(soft: &SoftPattern, options: &MeshOptions) -> Result<(), MeshEr
     };
     positive("target_edge_mm", options.target_edge_mm)?;
     positive("band_aspect", options.band_aspect)?;
+    positive("narrow_aspect", options.narrow_aspect)?;
     positive("grading", options.grading)?;
     let rows: f64 = soft.bands.iter().flat_map(stretches).map(|s| s.vertices(options)).sum();
     let lines =

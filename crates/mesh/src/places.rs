@@ -21,7 +21,7 @@ pub(crate) fn graded(
     sizes: &SizeField,
 ) -> Vec<f64> {
     let half = 0.5 * (to - from);
-    if least <= 1 && 2.0 * half < ONE_EDGE * (sizes.at(point(from + half)) - sizes.grading() * half) {
+    if least <= 1 && 2.0 * half < ONE_EDGE * (sizes.at(point(from + half)) - sizes.fastest() * half) {
         return Vec::new();
     }
     let steps = (STEPS_PER_TARGET * (to - from) / sizes.target_mm()).min(MOST_STEPS) as usize;

@@ -15,13 +15,21 @@ pub(crate) type Sample = (DVec2, f64);
 const LEAST_PIECES_OF_A_RING: usize = 3;
 /// A short open line gets a piece for so much of its bend, rad, and three at most: more are for the target to ask for.
 const BEND_PER_PIECE_RAD: f64 = FRAC_PI_3;
-/// Steps of the numerical integral of 1/size: so many for every edge of the target's length, within bounds.
+/// Steps of the numerical integral of 1/size: so many for every edge of the target's length, and for every row, within
+/// bounds: what asks for short rows at the ends must be felt.
 const STEPS_PER_TARGET: f64 = 16.0;
+const STEPS_PER_ROW: f64 = 8.0;
 const STEPS: [f64; 2] = [64.0, 65536.0];
 
-/// Neighbouring lines of narrow strips are shifted against each other by twice this share of a row: triangles twice
-/// as long as wide then have angles of 45° instead of 27°.
+/// Neighbouring lines of strips that are narrow in places are shifted against each other by twice this share of a row: triangles twice
+/// as long as wide then have angles of 45° instead of 27°. Where all is narrow every other line begins and ends with half
+/// a row, which shifts them by as much up to the very ends.
 const SHIFT: f64 = 0.25;
+
+/// Where rows get short towards the ends of lines, the first piece of a line set off by half a row is no shorter than so
+/// many widths of its strip, as far as this share of the row allows.
+const FIRST_PIECE: f64 = 1.5;
+const MOST_OF_A_ROW: f64 = 0.85;
 
 /// Where the ends of lines are shifted against each other, rows that run straight across become slanted like them within
 /// so many times the shift.
@@ -45,19 +53,41 @@ pub(crate) fn rows(
     let lines = along_lines(stretch, options);
     let least = least.max(least_pieces(stretch));
     let (pieces, spacings) = spacings(stretch, &lines, options, sizes, least);
+    let half_rows = stretch.is_narrow_throughout(options);
     let samples = |(number, (line, spacing)): (usize, (&Along, &Spacing))| {
-        let shift = if number % 2 == 0 { SHIFT } else { -SHIFT };
         let length = |row: f64| line.length_mm_at(spacing, row, pieces);
+        if half_rows && number % 2 == 1 {
+            let half = half_rows_of(stretch, line, spacing, pieces);
+            return half.into_iter().map(|row| line.at(length(row))).collect();
+        }
+        let shift = if number % 2 == 0 { SHIFT } else { -SHIFT };
         let sample = |k: usize| {
             let row = length(k as f64);
             // The first and the last row keep their length: what lies beyond the ends follows it.
-            let inner = k > 1 && k + 1 < pieces;
+            let inner = !half_rows && k > 1 && k + 1 < pieces;
             let shifted = inner && stretch.is_narrow(line.place_mm(row), options);
             line.at(if shifted { length(k as f64 + shift) } else { row })
         };
         (0..=pieces).map(sample).collect()
     };
     lines.iter().zip(&spacings).enumerate().map(samples).collect()
+}
+
+/// Rows at which a line has points that is set off against its neighbours by half a row.
+fn half_rows_of(stretch: &Stretch<'_>, line: &Along, spacing: &Spacing, pieces: usize) -> Vec<f64> {
+    let last = pieces as f64;
+    let mut rows: Vec<f64> = (1..=pieces).map(|k| k as f64 - 0.5).collect();
+    let share = |from: f64, to: f64| {
+        let [a, b] = [from, to].map(|row| line.length_mm_at(spacing, row, pieces));
+        (FIRST_PIECE * stretch.width_mm(line.place_mm(a)) / (b - a).abs()).clamp(0.5, MOST_OF_A_ROW)
+    };
+    if pieces > 1 {
+        rows[0] = share(0.0, 1.0);
+        rows[pieces - 1] = last - share(last, last - 1.0);
+    }
+    rows.insert(0, 0.0);
+    rows.push(last);
+    rows
 }
 
 fn least_pieces(stretch: &Stretch<'_>) -> usize {
@@ -82,7 +112,9 @@ fn spacings(
     least: usize,
 ) -> (usize, Vec<Spacing>) {
     let longest = lines.iter().map(Along::length_mm).fold(0.0, f64::max);
-    let steps = (STEPS_PER_TARGET * longest / options.target_edge_mm).clamp(STEPS[0], STEPS[1]) as usize;
+    let row_mm = stretch.widest_edge_mm(options);
+    let per_mm = (STEPS_PER_TARGET / options.target_edge_mm).max(STEPS_PER_ROW / row_mm);
+    let steps = (per_mm * longest).clamp(STEPS[0], STEPS[1]) as usize;
     let middle = |k: usize| (k as f64 + 0.5) / steps as f64;
     let around = |k: usize| {
         let at = |line: &Along| sizes.at(line.at(line.length_mm() * middle(k)).0);

@@ -14,9 +14,31 @@ pub(crate) type Source = GeomWithData<[f64; 2], f64>;
 /// Wished edge length over the sheet: the least over all sources of their length and what it has grown by until here.
 pub(crate) struct SizeField {
     target_mm: f64,
-    grading: f64,
+    growth: Growth,
     /// Sources of like length together, short ones first.
     classes: Vec<Class>,
+}
+
+/// How edges get longer away from a source.
+struct Growth {
+    /// Up to this length they grow faster.
+    knee_mm: f64,
+    faster: f64,
+    slower: f64,
+}
+
+impl Growth {
+    fn new(options: &MeshOptions) -> Self {
+        let slower = options.grading;
+        let faster = (FASTER * slower).min(FASTEST).max(slower);
+        Self { knee_mm: SMALL * options.target_edge_mm, faster, slower }
+    }
+
+    /// Length at a distance from a source; it rises with both.
+    fn grown_mm(&self, length_mm: f64, distance_mm: f64) -> f64 {
+        let to_knee = ((self.knee_mm - length_mm) / self.faster).clamp(0.0, distance_mm);
+        length_mm + self.faster * to_knee + self.slower * (distance_mm - to_knee)
+    }
 }
 
 struct Class {
@@ -28,6 +50,12 @@ struct Class {
 /// Lengths of one class differ by less than this factor: the wider, the farther a look-up must search past the
 /// nearest source.
 const CLASS_RATIO: f64 = 1.25;
+
+/// Below this share of the target, edges grow faster: by so many times the grading, and by no more than so much per mm.
+/// Around a small feature the vertices are as many as the inverse square of the growth, wherever it starts.
+const SMALL: f64 = 0.125;
+const FASTER: f64 = 1.6;
+const FASTEST: f64 = 0.4;
 
 /// Shortest over longest length below which a field is steep.
 const STEEP: f64 = 0.25;
@@ -57,10 +85,10 @@ impl SizeField {
             classes.push(Class { least_mm, most_mm, sources: RTree::bulk_load(sources) });
             sources = rest;
         }
-        Self { target_mm: options.target_edge_mm, grading: options.grading, classes }
+        Self { target_mm: options.target_edge_mm, growth: Growth::new(options), classes }
     }
 
-    /// Wished edge length at a point, mm. It grows by no more than the grading per mm.
+    /// Wished edge length at a point, mm. It grows by no more than [`Self::fastest`] per mm.
     pub(crate) fn at(&self, p: DVec2) -> f64 {
         let mut size = self.target_mm;
         for class in self.classes.iter().take_while(|c| c.least_mm < self.target_mm) {
@@ -73,14 +101,16 @@ impl SizeField {
 
     /// Least length that a class asks for at a point, as far as it is below `size`.
     fn within(&self, class: &Class, p: DVec2, size: f64) -> f64 {
-        let here = |s: &Source| s.data + self.grading * p.distance(DVec2::from(*s.geom()));
+        let grown =
+            |length_mm: f64, s: &Source| self.growth.grown_mm(length_mm, p.distance(DVec2::from(*s.geom())));
+        let here = |s: &Source| grown(s.data, s);
         let query = [p.x, p.y];
         if class.least_mm == class.most_mm {
             return class.sources.nearest_neighbor(query).map_or(size, here);
         }
         let mut size = size;
         for s in class.sources.nearest_neighbor_iter(query) {
-            if class.least_mm + self.grading * p.distance(DVec2::from(*s.geom())) >= size {
+            if grown(class.least_mm, s) >= size {
                 break;
             }
             size = size.min(here(s));
@@ -94,8 +124,8 @@ impl SizeField {
     }
 
     /// How much longer edges may get per mm.
-    pub(crate) fn grading(&self) -> f64 {
-        self.grading
+    pub(crate) fn fastest(&self) -> f64 {
+        self.growth.faster
     }
 
     /// The longest edges, mm.

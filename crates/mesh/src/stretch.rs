@@ -13,9 +13,10 @@ pub(crate) struct Stretch<'a> {
     widest_mm: f64,
 }
 
-/// Longest piece of a fold line over the width of its strip: a right triangle of that shape has an angle of 27°.
+/// Longest edge over the gap beside it: a right triangle of that shape has an angle of 27°.
 pub(crate) const MOST_ASPECT: f64 = 2.0;
-/// Rows are no shorter than this share of the target, as long as the strips are wide enough for [`MOST_ASPECT`].
+/// Rows are no shorter than this share of the target, as long as the strips are wide enough for
+/// [`MeshOptions::narrow_aspect`].
 const SHORTEST: f64 = 0.25;
 /// Where a stretch tapers, rows get no shorter than at this share of its widest strip: strips narrow down to nothing
 /// at a tip, rows must not.
@@ -67,7 +68,7 @@ impl<'a> Stretch<'a> {
         strip_edge_mm(self.width_mm(s_mm).max(TIP_SHARE * self.widest_mm), options)
     }
 
-    /// Whether strips are so narrow at an arc length of the crease that rows are as long as [`MOST_ASPECT`] allows.
+    /// Whether strips are so narrow at an arc length of the crease that rows are longer than [`MOST_ASPECT`] of them.
     pub(crate) fn is_narrow(&self, s_mm: f64, options: &MeshOptions) -> bool {
         !self.is_sharp() && MOST_ASPECT * self.width_mm(s_mm) < SHORTEST * options.target_edge_mm
     }
@@ -75,6 +76,11 @@ impl<'a> Stretch<'a> {
     /// Whether it is so narrow anywhere.
     pub(crate) fn is_narrow_somewhere(&self, options: &MeshOptions) -> bool {
         self.lines.iter().flat_map(|l| &l.s_mm).any(|&s| self.is_narrow(s, options))
+    }
+
+    /// Whether it is so narrow everywhere.
+    pub(crate) fn is_narrow_throughout(&self, options: &MeshOptions) -> bool {
+        self.lines.iter().flat_map(|l| &l.s_mm).all(|&s| self.is_narrow(s, options))
     }
 
     /// Wished lengths of rows at the points of a line, mm.
@@ -103,7 +109,8 @@ impl<'a> Stretch<'a> {
         self.lines.iter().map(rows).fold(0.0, f64::max)
     }
 
-    fn width_mm(&self, s_mm: f64) -> f64 {
+    /// Width of its strips at an arc length of the crease, mm.
+    pub(crate) fn width_mm(&self, s_mm: f64) -> f64 {
         self.band.at(s_mm).map_or(0.0, |s| s.strip_width_mm(self.band.segments))
     }
 }
@@ -111,6 +118,6 @@ impl<'a> Stretch<'a> {
 /// Wished length of rows across strips of a width: so many times as long as the strips are wide, and no longer than
 /// the target.
 fn strip_edge_mm(width_mm: f64, options: &MeshOptions) -> f64 {
-    let shortest = (SHORTEST * options.target_edge_mm).min(MOST_ASPECT * width_mm);
+    let shortest = (SHORTEST * options.target_edge_mm).min(options.narrow_aspect * width_mm);
     (options.band_aspect * width_mm).max(shortest).min(options.target_edge_mm)
 }

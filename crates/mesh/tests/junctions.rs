@@ -35,6 +35,19 @@ fn three_to_six_bands_leave_a_free_region() {
 }
 
 #[test]
+fn corners_of_a_region_that_miss_the_lines_by_rounding_are_their_ends() {
+    let exact = star(SIZE_MM, &[(20.0, 30.0), (110.0, 10.0), (200.0, 12.0), (290.0, 20.0)]);
+    let mut soft = exact.clone();
+    for corner in &mut soft.junctions[0].polygon {
+        *corner += DVec2::new(3e-13, -2e-13);
+    }
+    with_backends(|options| {
+        let m = sound(&soft, &options);
+        assert_eq!(m.triangles, softfold_mesh::mesh(&exact, &options).unwrap().mesh.triangles);
+    });
+}
+
+#[test]
 fn soft_and_sharp_creases_meet() {
     with_backends(|options| {
         let soft = star(SIZE_MM, &[(20.0, 30.0), (110.0, 0.0), (200.0, 12.0), (290.0, 0.0)]);

@@ -161,3 +161,18 @@ fn options_out_of_range_are_named() {
     let error = mesh(&soft, &MeshOptions { target_edge_mm: 0.01, ..MeshOptions::default() }).unwrap_err();
     assert!(matches!(error, MeshError::TooMany { .. }), "{error}");
 }
+
+#[test]
+fn a_constraint_through_a_point_of_another_is_named() {
+    let points = [(0., 0.), (4., 0.), (4., 4.), (2., 4.), (0., 4.), (2., 2.), (2., 6.)].map(DVec2::from);
+    let id = softfold_geometry::VertexId;
+    let side =
+        |k: u32| ([id(k), id((k + 1) % 5)], softfold_mesh::Constraint::Boundary { loop_id: LoopId(0) });
+    let mut constraints: Vec<_> = (0..5).map(side).collect();
+    constraints.push(([id(5), id(6)], softfold_mesh::Constraint::Slit { slit: 7 }));
+    let graph = softfold_mesh::PlanarGraph { points: points.to_vec(), constraints };
+    with_backends(|options| {
+        let error = softfold_mesh::triangulate(&graph, options.backend).unwrap_err().to_string();
+        assert!(options.backend == softfold_mesh::Backend::Cgal || error.contains("slit 7"), "{error}");
+    });
+}

@@ -89,12 +89,27 @@ fn rows_of_a_taper_follow_the_width() {
 }
 
 #[test]
-fn a_narrow_band_has_good_angles_too() {
+fn a_narrow_band_has_no_small_angles() {
     for radius_mm in [6.0, 2.0, 0.5] {
         let band = straight_band(0, 0.5 * WIDTH, WIDTH, HEIGHT, radius_mm);
         let soft = pattern(vec![rectangle(WIDTH, HEIGHT)], vec![band]);
-        with_backends(|options| assert_good(&sound(&soft, &options), &[]));
+        with_backends(|options| {
+            // Strips of long rows have 22° and are most of the triangles.
+            let angles = angles_away_from(&sound(&soft, &options), &[]);
+            let (least, median) = (angles[0], angles[angles.len() / 2]);
+            assert!(least >= 20.0 && median >= 35.0, "least {least:.1}°, median {median:.1}°");
+        });
     }
+}
+
+#[test]
+fn paper_thin_bands_take_thousands_of_vertices_not_tens_of_thousands() {
+    let bands = (1..=5).map(|k| straight_band(k - 1, f64::from(k) * 50.0, WIDTH, HEIGHT, 1.5)).collect();
+    let soft = pattern(vec![rectangle(WIDTH, HEIGHT)], bands);
+    with_backends(|options| {
+        let m = sound(&soft, &options);
+        assert!(m.vertices.len() < 12_000, "{}", m.vertices.len());
+    });
 }
 
 #[test]
@@ -114,6 +129,22 @@ fn lines_that_come_close_get_short_edges() {
             assert!(angles[0] > 15.0, "{gap_mm}: {:.1}", angles[0]);
         });
     }
+}
+
+#[test]
+fn a_crease_that_ends_all_but_in_a_corner_ends_in_it() {
+    let crease = Straight::new(DVec2::new(1e-3, 0.0), DVec2::new(1.0, 1.0), 0.0, 0.8);
+    let mut band = crease.band(0);
+    let (s_mm, exit) = crease.exit(None, WIDTH, HEIGHT);
+    let start = on_rectangle(crease.from, WIDTH, HEIGHT);
+    band.fold_lines.push(crease.line(None, &[0.0, s_mm], [start, exit]));
+    let soft = pattern(vec![rectangle(WIDTH, HEIGHT)], vec![band]);
+    with_backends(|options| {
+        let m = softfold_mesh::mesh(&soft, &options).unwrap().mesh;
+        assert_eq!(folds_at(&m, DVec2::ZERO), 1);
+        assert!((m.area_mm2() / (WIDTH * HEIGHT) - 1.0).abs() < 1e-12);
+        assert_good(&m, &[]);
+    });
 }
 
 #[test]
