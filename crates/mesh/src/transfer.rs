@@ -8,6 +8,9 @@ use std::collections::BTreeSet;
 
 /// Values linear over each triangle of `from`, at the vertices of `to`; exact for linear fields. The lips of slits keep
 /// their own values. A vertex that is not on the sheet of `from` gets the value of the nearest vertex.
+///
+/// # Panics
+/// If `values` has fewer entries than `from` has vertices.
 pub fn transfer(from: &FlatMesh, values: &[DVec3], to: &FlatMesh) -> Vec<DVec3> {
     let locator = Locator::new(from);
     let linear = |v: usize, place: Option<Place>| match place {
@@ -21,6 +24,9 @@ pub fn transfer(from: &FlatMesh, values: &[DVec3], to: &FlatMesh) -> Vec<DVec3> 
 /// where [`transfer`] has kinks. Where the vertices of `from` do not fix a quadratic it is [`transfer`]'s value.
 ///
 /// Vertices are gathered from triangle to neighbouring triangle: the lips of a slit keep apart but around its free tips.
+///
+/// # Panics
+/// If `values` has fewer entries than `from` has vertices.
 pub fn transfer_smooth(from: &FlatMesh, values: &[DVec3], to: &FlatMesh) -> Vec<DVec3> {
     let locator = Locator::new(from);
     let smooth = |v: usize, place: Option<Place>| {
