@@ -45,8 +45,7 @@ fn parse(line: &str, at: u32, count: usize) -> Result<Line, PatternError> {
         let mend = "correct the number, or delete the line";
         PatternError::Number(issue(Severity::Error, what, mend).of(&origin))
     };
-    let role =
-        kind.parse().map_err(|_| number(format!("the type is \"{}\", not a whole number", short(kind))))?;
+    let role = lines::kind(kind).map_err(&number)?;
     let at = |name: &str, text: &str| coordinate(name, text).map_err(&number);
     let ends = [DVec2::new(at("x1", x1)?, at("y1", y1)?), DVec2::new(at("x2", x2)?, at("y2", y2)?)];
     Ok(Line { role: role_of(role), kind: format!("type {role}"), rgb: None, ends, origin })

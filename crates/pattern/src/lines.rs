@@ -28,6 +28,14 @@ pub(crate) struct Line {
 /// Largest number of a file, a million kilometres in mm: beyond it lie faults, and squares that overflow.
 pub(crate) const LARGEST: f64 = 1e12;
 
+/// The type of a line.
+///
+/// # Errors
+/// What is wrong with the text.
+pub(crate) fn kind(text: &str) -> Result<i64, String> {
+    text.trim().parse().map_err(|_| format!("the type is \"{}\", not a whole number", short(text)))
+}
+
 /// A coordinate, or what is wrong with it.
 pub(crate) fn coordinate(name: &str, text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {

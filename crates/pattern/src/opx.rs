@@ -6,7 +6,7 @@
 use crate::document::Lines;
 use crate::drawing::Stroke;
 use crate::error::{Origin, Place, issue, utf8};
-use crate::lines::{self, Line, coordinate, short};
+use crate::lines::{self, Line, coordinate};
 use crate::{PatternError, ReadOptions};
 use roxmltree::Node;
 use softfold_geometry::{DVec2, Issue, Role, Severity};
@@ -64,11 +64,7 @@ fn parse(object: &Node<'_, '_>, origin: Origin) -> Result<Line, PatternError> {
         void.children().find(Node::is_element)?.text()
     };
     let at = |name: &str| property(name).map_or(Ok(0.0), |text| coordinate(name, text).map_err(&number));
-    let kind = property("type").unwrap_or("0");
-    let kind: i64 = kind
-        .trim()
-        .parse()
-        .map_err(|_| number(format!("the type is \"{}\", not a whole number", short(kind))))?;
+    let kind = lines::kind(property("type").unwrap_or("0")).map_err(&number)?;
     let ends = [DVec2::new(at("x0")?, at("y0")?), DVec2::new(at("x1")?, at("y1")?)];
     Ok(Line { role: role_of(kind), kind: format!("type {kind}"), rgb: None, ends, origin })
 }
