@@ -18,7 +18,7 @@ pub(crate) struct Boundaries<'a> {
     pub(crate) met: Vec<Vec<(f64, usize)>>,
     /// How near on a curve two places are one, mm.
     pub(crate) same_mm: f64,
-    flat: Vec<Flat>,
+    pub(crate) flat: Vec<Flat>,
 }
 
 /// A point that is on two curves, or on a curve and a junction.
@@ -30,9 +30,9 @@ pub(crate) struct Meeting {
 }
 
 /// A curve as a polyline with arc lengths; a closed one repeats its first point.
-struct Flat {
-    points: Vec<DVec2>,
-    s_mm: Vec<f64>,
+pub(crate) struct Flat {
+    pub(crate) points: Vec<DVec2>,
+    pub(crate) s_mm: Vec<f64>,
 }
 
 /// Corners sharper than this keep a vertex, rad.
@@ -247,7 +247,7 @@ impl Flat {
     }
 
     /// The point at an arc length up to twice the curve's.
-    fn point(&self, s_mm: f64, total_mm: f64) -> DVec2 {
+    pub(crate) fn point(&self, s_mm: f64, total_mm: f64) -> DVec2 {
         let s = if s_mm > total_mm { s_mm - total_mm } else { s_mm };
         let i = self.s_mm.partition_point(|&v| v <= s).clamp(1, self.s_mm.len() - 1);
         let t = (s - self.s_mm[i - 1]) / (self.s_mm[i] - self.s_mm[i - 1]);

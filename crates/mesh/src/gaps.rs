@@ -3,7 +3,6 @@
 //! of the sizing field.
 
 use crate::size::{Source, source};
-use crate::stretch::MOST_ASPECT;
 use glam::DVec2;
 use rstar::RTree;
 use rstar::primitives::{GeomWithData, Line};
@@ -19,6 +18,8 @@ pub(crate) struct Piece {
     pub(crate) least_edges: f64,
 }
 
+/// Longest edge over the gap beside it: with points of both sides set off against each other, angles of 55°.
+const MOST_ASPECT: f64 = 1.4;
 /// Shortest edges asked for here, share of the target: pieces of lines that all but touch would ask for millions.
 const SHORTEST: f64 = 1.0 / 64.0;
 /// The same where two lines leave one point: the angle between them is the pattern's, not ours to mend.

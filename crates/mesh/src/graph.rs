@@ -1,12 +1,14 @@
 //! Points and constraints on the curves: outline, holes, slits, fold lines and the sides of junctions.
 
 use crate::boundary::Boundaries;
-use crate::cdt::Constraint;
+use crate::cdt::{Constraint, PlanarGraph};
 use crate::gaps::Piece;
+use crate::refine::Planar;
 use crate::rows::{Sample, rows};
 use crate::shared::SharedPoints;
 use crate::size::SizeField;
 use crate::stretch::{Stretch, stretches};
+use crate::tracks::{Span, Track};
 use crate::{MeshOptions, places};
 use glam::DVec2;
 use softfold_geometry::{LineEnd, LoopId, OutlinePoint, Site, SoftPattern, VertexId, polygon};
@@ -21,6 +23,9 @@ pub(crate) struct GraphBuilder<'a> {
     points: Vec<DVec2>,
     sites: Vec<Site>,
     constraints: Vec<([VertexId; 2], Constraint)>,
+    /// The parts of tracks that constraints stand for.
+    spans: Vec<Span>,
+    tracks: Vec<Track<'a>>,
     /// Edges that have a constraint, lower vertex first.
     constrained: BTreeSet<[VertexId; 2]>,
     /// Per boundary curve: arc length and vertex of each point on it, ascending.
@@ -30,9 +35,6 @@ pub(crate) struct GraphBuilder<'a> {
     /// Vertices of the meetings of boundary curves.
     at_meetings: Vec<Option<VertexId>>,
 }
-
-/// Points, constraints between them, and where they sit.
-pub(crate) type Graph = (Vec<DVec2>, Vec<([VertexId; 2], Constraint)>, Vec<Site>);
 
 impl<'a> GraphBuilder<'a> {
     pub(crate) fn new(
@@ -49,6 +51,8 @@ impl<'a> GraphBuilder<'a> {
             points: vec![],
             sites: vec![],
             constraints: vec![],
+            spans: vec![],
+            tracks: vec![],
             constrained: BTreeSet::new(),
             on_curves: vec![Vec::new(); boundaries.curves.len()],
             // A line may end off its mark by as much as it may be off its curve.
@@ -57,7 +61,7 @@ impl<'a> GraphBuilder<'a> {
         }
     }
 
-    pub(crate) fn build(mut self) -> Graph {
+    pub(crate) fn build(mut self) -> Planar<'a> {
         (0..self.boundaries.curves.len()).for_each(|curve| self.boundary(curve));
         self.points.iter().enumerate().for_each(|(v, p)| self.at_points.insert(*p, VertexId::new(v)));
         for (meeting, vertex) in self.boundaries.meetings.iter().zip(&self.at_meetings) {
@@ -66,11 +70,12 @@ impl<'a> GraphBuilder<'a> {
             }
         }
         let soft = self.soft;
-        for stretch in soft.bands.iter().flat_map(stretches) {
-            self.stretch(&stretch);
+        for (number, stretch) in soft.bands.iter().flat_map(stretches).enumerate() {
+            self.stretch(&stretch, number as u32);
         }
         (0..soft.junctions.len()).for_each(|j| self.junction(j));
-        (self.points, self.constraints, self.sites)
+        let graph = PlanarGraph { points: self.points, constraints: self.constraints };
+        Planar { graph, sites: self.sites, spans: self.spans, tracks: self.tracks }
     }
 
     fn vertex(&mut self, point: DVec2, site: Site) -> VertexId {
@@ -92,9 +97,12 @@ impl<'a> GraphBuilder<'a> {
     }
 
     /// Where two constraints would make one edge, the first one stays; ends that are one make none.
-    fn constrain(&mut self, edge: [VertexId; 2], constraint: Constraint) {
+    fn constrain(&mut self, edge: [VertexId; 2], constraint: Constraint, places_mm: [f64; 2]) {
         if edge[0] != edge[1] && self.constrained.insert(sorted(edge)) {
             self.constraints.push((edge, constraint));
+            // Edges are made track by track.
+            let track = self.tracks.len() as u32 - 1;
+            self.spans.push(Span { track, from_mm: places_mm[0], to_mm: places_mm[1] });
         }
     }
 
@@ -102,6 +110,7 @@ impl<'a> GraphBuilder<'a> {
         let loop_id = LoopId::new(curve);
         let closed = self.boundaries.curves[curve].is_closed();
         let places = self.places_on(curve);
+        self.tracks.push(Track::boundary(self.boundaries, curve));
         let mut vertices = Vec::with_capacity(places.len());
         for &s_mm in &places {
             let known = if closed { None } else { self.met(curve, s_mm) };
@@ -114,7 +123,9 @@ impl<'a> GraphBuilder<'a> {
         };
         let edges = if closed { vertices.len() } else { vertices.len() - 1 };
         for i in 0..edges {
-            self.constrain([vertices[i], vertices[(i + 1) % vertices.len()]], constraint);
+            let next = (i + 1) % vertices.len();
+            let round = if next == 0 { self.boundaries.curves[curve].length_mm() } else { 0.0 };
+            self.constrain([vertices[i], vertices[next]], constraint, [places[i], places[next] + round]);
         }
         self.on_curves[curve] = places.into_iter().zip(vertices).collect();
         self.meet(curve);
@@ -163,12 +174,15 @@ impl<'a> GraphBuilder<'a> {
     }
 
     /// All lines of a stretch get the same number of points: rows across the strips.
-    fn stretch(&mut self, stretch: &Stretch<'_>) {
+    fn stretch(&mut self, stretch: &Stretch<'a>, number: u32) {
         let mut lines = rows(stretch, self.options, self.sizes, 1);
         if stretch.is_sharp() && lines.iter().any(|samples| self.is_taken(stretch, samples)) {
             lines = rows(stretch, self.options, self.sizes, 2);
         }
         for (i, samples) in lines.iter().enumerate() {
+            let line = stretch.first + i as u32;
+            let rows = (!stretch.is_sharp()).then_some(number);
+            self.tracks.push(Track::fold(stretch.band.crease, line, rows, &stretch.lines[i]));
             self.fold_line(stretch, i, samples);
         }
     }
@@ -196,7 +210,7 @@ impl<'a> GraphBuilder<'a> {
         let last = samples.len() - 1;
         let closed = samples[0].0 == samples[last].0;
         let mut vertices: Vec<VertexId> = Vec::with_capacity(samples.len());
-        for (i, &(point, _)) in samples.iter().enumerate() {
+        for (i, &(point, ..)) in samples.iter().enumerate() {
             let end = match i {
                 0 => Some(ends[0]),
                 i if i == last => Some(ends[1]),
@@ -212,7 +226,8 @@ impl<'a> GraphBuilder<'a> {
         }
         for (i, w) in vertices.windows(2).enumerate() {
             let turn_rad = 0.5 * (samples[i].1 + samples[i + 1].1);
-            self.constrain([w[0], w[1]], Constraint::Fold { crease, line, turn_rad });
+            let places_mm = [samples[i].2, samples[i + 1].2];
+            self.constrain([w[0], w[1]], Constraint::Fold { crease, line, turn_rad }, places_mm);
         }
     }
 
@@ -244,13 +259,14 @@ impl<'a> GraphBuilder<'a> {
             let length = a.distance(b);
             let along = |s: f64| a.lerp(b, s / length);
             let inner = places::graded(along, 0.0, length, 1, self.sizes);
-            let mut from = ends[0];
+            self.tracks.push(Track::side(number as u32, a, b));
+            let mut from = (ends[0], 0.0);
             for s in inner {
                 let to = self.vertex(along(s), Site::Interior);
-                self.constrain([from, to], constraint);
-                from = to;
+                self.constrain([from.0, to], constraint, [from.1, s]);
+                from = (to, s);
             }
-            self.constrain([from, ends[1]], constraint);
+            self.constrain([from.0, ends[1]], constraint, [from.1, length]);
         }
     }
 

@@ -16,25 +16,32 @@ mod locate;
 mod mend;
 mod places;
 mod quality;
+mod refine;
 mod relax;
 mod rings;
 mod rng;
 mod rows;
+mod settle;
 mod shared;
+mod sharp;
 mod size;
 mod split;
 mod stretch;
+mod topology;
+mod tracks;
 mod transfer;
 
 pub use cdt::{Backend, Constraint, PlanarGraph, Triangulated, triangulate};
 pub use crosscheck::{Crosscheck, crosscheck};
 pub use locate::Locator;
-pub use quality::{Quality, quality};
+pub use quality::{Inspection, Quality, SharpPlace, Sharpness, quality};
+pub use tracks::Curve;
 pub use transfer::{transfer, transfer_smooth};
 
 use boundary::Boundaries;
 use glam::DVec2;
 use graph::GraphBuilder;
+use refine::Planar;
 use softfold_geometry::{CheckError, FlatMesh, Site, SoftPattern};
 use stretch::stretches;
 
@@ -47,8 +54,11 @@ pub struct MeshOptions {
     pub band_aspect: f64,
     /// The same at most, in strips that are narrow beside the target: there rows are as long as a quarter of the
     /// target, up to so many times the width. Rows of neighbouring lines are set off by half their length, so the
-    /// smallest angle inside such strips is `atan(2 / aspect)`: 22° for 5.
+    /// smallest angle inside such strips is `atan(2 / aspect)`: 48° for 1.8; 24° for 4.5, with half the
+    /// vertices. Longer rows are split again by the refinement.
     pub narrow_aspect: f64,
+    /// Largest distance of a curve from its edges, share of the target.
+    pub chord: f64,
     /// Growth of the edge length per mm of distance from a band.
     pub grading: f64,
     /// Rounds of relaxation.
@@ -64,7 +74,8 @@ impl Default for MeshOptions {
         Self {
             target_edge_mm: 20.0,
             band_aspect: 1.4,
-            narrow_aspect: 5.0,
+            narrow_aspect: 1.8,
+            chord: 0.05,
             grading: 0.25,
             relaxation_rounds: 12,
             seed: 1,
@@ -81,6 +92,8 @@ pub struct Meshed {
     pub mesh: FlatMesh,
     /// Points and constraints, for the cross-check; slits are not open yet.
     pub graph: PlanarGraph,
+    /// Angles, sharp places of the pattern, and chords.
+    pub inspection: Inspection,
 }
 
 /// Why a mesh cannot be made.
@@ -156,32 +169,36 @@ pub fn mesh(soft: &SoftPattern, options: &MeshOptions) -> Result<Meshed, MeshErr
     check_options(soft, options)?;
     let boundaries = Boundaries::new(soft, options, shortest_row_mm(soft, options));
     let sizes = size::SizeField::new(soft, options, &graph::pieces(soft, &boundaries));
-    let (mut points, constraints, mut sites) = GraphBuilder::new(soft, options, &boundaries, &sizes).build();
-    if let Some(i) = points.iter().position(|p| !p.is_finite()) {
+    let mut planar = GraphBuilder::new(soft, options, &boundaries, &sizes).build();
+    let graph = &mut planar.graph;
+    if let Some(i) = graph.points.iter().position(|p| !p.is_finite()) {
         return Err(CheckError::new("SoftPattern", format!("point {i} of its curves is not finite")).into());
     }
-    let held = points.len();
-    let polygons = graph::boundary_polygons(&points, &constraints, soft.loops.len());
-    interior::scatter(&mut points, &polygons, &sizes, options.seed, MOST_VERTICES as usize);
-    check_vertices(points.len() as f64, options)?;
-    sites.resize(points.len(), Site::Interior);
-    let mut graph = PlanarGraph { points, constraints };
-    let mut triangulated = triangulate(&graph, options.backend)?;
+    let held = graph.points.len();
+    let polygons = graph::boundary_polygons(&graph.points, &graph.constraints, soft.loops.len());
+    interior::scatter(&mut graph.points, &polygons, &sizes, options.seed, MOST_VERTICES as usize);
+    check_vertices(graph.points.len() as f64, options)?;
+    planar.sites.resize(graph.points.len(), Site::Interior);
+    let mut triangulated = triangulate(graph, options.backend)?;
     let weight = if sizes.is_steep() { relax::Weight::Same } else { relax::Weight::Area };
     for _ in 0..options.relaxation_rounds {
         relax::round(&mut graph.points, held, &triangulated.triangles, weight);
-        triangulated = triangulate(&graph, options.backend)?;
+        triangulated = triangulate(graph, options.backend)?;
     }
     for _ in 0..mend::ROUNDS {
         if !mend::round(&mut graph.points, held, &triangulated.triangles) {
             break;
         }
-        triangulated = triangulate(&graph, options.backend)?;
+        triangulated = triangulate(graph, options.backend)?;
     }
-    let opened = split::open(&graph, sites, triangulated.triangles);
+    refine::refine(&mut planar, options, shortest_row_mm(soft, options))?;
+    let topology = refine::topology(&planar, options.backend)?;
+    let inspection = quality::inspect(&planar, &topology, options.target_edge_mm);
+    let Planar { graph, sites, .. } = planar;
+    let opened = split::open(&graph, sites, topology.triangles);
     let mesh = classes::classified(&graph, opened, soft.loops.len());
     mesh.check()?;
-    Ok(Meshed { mesh, graph })
+    Ok(Meshed { mesh, graph, inspection })
 }
 
 /// Length of the shortest rows at their widest, mm; the target's without bands.
@@ -198,6 +215,7 @@ fn check_options(soft: &SoftPattern, options: &MeshOptions) -> Result<(), MeshEr
     positive("target_edge_mm", options.target_edge_mm)?;
     positive("band_aspect", options.band_aspect)?;
     positive("narrow_aspect", options.narrow_aspect)?;
+    positive("chord", options.chord)?;
     positive("grading", options.grading)?;
     let rows: f64 = soft.bands.iter().flat_map(stretches).map(|s| s.vertices(options)).sum();
     let lines =

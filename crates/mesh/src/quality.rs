@@ -1,8 +1,15 @@
-//! How good the triangles are.
+//! How good a mesh is: its angles, what the pattern itself makes sharp, and how near edges are to their curves.
 
+use crate::refine::{BAR_DEG, Planar};
+use crate::sharp::{Excuse, Sharp};
+use crate::topology::{Topology, least_angle_rad};
+use crate::tracks::Curve;
+use glam::DVec2;
 use softfold_geometry::{FlatMesh, TriangleId};
+use std::collections::BTreeMap;
+use std::fmt;
 
-/// Angles of a mesh.
+/// Angles of a mesh, or of a part of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     /// Smallest angle, degrees.
@@ -13,10 +20,167 @@ pub struct Quality {
 
 /// Measures a mesh; zeros if it has no triangle.
 pub fn quality(mesh: &FlatMesh) -> Quality {
-    let smallest =
-        |t: usize| mesh.angles_rad(TriangleId::new(t)).into_iter().fold(f64::MAX, f64::min).to_degrees();
-    let mut angles: Vec<f64> = (0..mesh.triangles.len()).map(smallest).collect();
-    angles.sort_by(f64::total_cmp);
-    let at = |i: usize| angles.get(i).copied().unwrap_or(0.0);
-    Quality { min_angle_deg: at(0), median_min_angle_deg: at(angles.len() / 2) }
+    let smallest = |t: usize| mesh.angles_rad(TriangleId::new(t)).into_iter().fold(f64::MAX, f64::min);
+    Quality::of((0..mesh.triangles.len()).map(|t| smallest(t).to_degrees()).collect())
+}
+
+impl Quality {
+    fn of(mut angles_deg: Vec<f64>) -> Self {
+        angles_deg.sort_by(f64::total_cmp);
+        let at = |i: usize| angles_deg.get(i).copied().unwrap_or(0.0);
+        Self { min_angle_deg: at(0), median_min_angle_deg: at(angles_deg.len() / 2) }
+    }
+}
+
+/// What a mesh is like, held against what its pattern allows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inspection {
+    /// All triangles.
+    pub all: Quality,
+    /// Triangles but for those at [`Inspection::places`].
+    pub free: Quality,
+    /// Triangles below 20° among them: the mesher's own fault.
+    pub small: usize,
+    /// The smallest of those, degrees, with their places, worst first; ten at most.
+    pub worst: Vec<(f64, DVec2)>,
+    /// Triangles that lie at [`Inspection::places`].
+    pub excused: usize,
+    /// Where the pattern itself leaves no room for larger angles.
+    pub places: Vec<SharpPlace>,
+    /// Largest distance of a fold line from its edges, mm.
+    pub fold_chord_mm: f64,
+    /// Largest distance of outline, holes and slits from their edges, mm.
+    pub boundary_chord_mm: f64,
+}
+
+/// A place that the pattern itself makes sharp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SharpPlace {
+    /// Where, (u, v) in mm: the corner, or where the gap is smallest among the triangles in it.
+    pub at: DVec2,
+    /// The two curves; one twice where it is a short piece, or a corner, of a single curve.
+    pub curves: [Curve; 2],
+    /// What they do.
+    pub kind: Sharpness,
+    /// Triangles that lie in it.
+    pub triangles: usize,
+}
+
+/// Why no mesh has large angles at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sharpness {
+    /// Two curves meet at a small angle, degrees.
+    Corner {
+        /// The angle between them.
+        angle_deg: f64,
+    },
+    /// Two curves all but touch.
+    Gap {
+        /// Smallest distance, mm.
+        gap_mm: f64,
+    },
+}
+
+/// Most triangles that are named.
+const WORST: usize = 10;
+
+/// Inspects the triangulation of a graph.
+pub(crate) fn inspect(planar: &Planar<'_>, topology: &Topology, target_mm: f64) -> Inspection {
+    let sharp = Sharp::new(planar, target_mm);
+    let mut places = Places { planar, sharp: &sharp, corners: BTreeMap::new(), gaps: BTreeMap::new() };
+    let (mut all, mut free, mut worst) = (Vec::new(), Vec::new(), Vec::new());
+    for t in 0..topology.triangles.len() {
+        let corners = topology.corners(&planar.graph.points, t);
+        let angle_deg = least_angle_rad(corners).to_degrees();
+        all.push(angle_deg);
+        match sharp.excuse(planar, topology, t) {
+            Some(excuse) => places.add(excuse),
+            None => {
+                free.push(angle_deg);
+                if angle_deg < BAR_DEG {
+                    worst.push((angle_deg, (corners[0] + corners[1] + corners[2]) / 3.0));
+                }
+            }
+        }
+    }
+    worst.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let small = worst.len();
+    worst.truncate(WORST);
+    let [fold_chord_mm, boundary_chord_mm] = chords_mm(planar);
+    Inspection {
+        excused: all.len() - free.len(),
+        all: Quality::of(all),
+        free: Quality::of(free),
+        small,
+        worst,
+        places: places.listed(),
+        fold_chord_mm,
+        boundary_chord_mm,
+    }
+}
+
+fn chords_mm(planar: &Planar<'_>) -> [f64; 2] {
+    let mut chords = [0.0_f64; 2];
+    for ((edge, _), span) in planar.graph.constraints.iter().zip(&planar.spans) {
+        let track = &planar.tracks[span.track as usize];
+        let (error, _) = track.chord_error_mm(span, edge.map(|v| planar.graph.points[v.index()]));
+        let which = usize::from(matches!(track.curve, Curve::Boundary(_)));
+        chords[which] = chords[which].max(error);
+    }
+    chords
+}
+
+struct Places<'p, 'a> {
+    planar: &'p Planar<'a>,
+    sharp: &'p Sharp,
+    corners: BTreeMap<usize, usize>,
+    gaps: BTreeMap<[Curve; 2], SharpPlace>,
+}
+
+impl Places<'_, '_> {
+    fn add(&mut self, excuse: Excuse) {
+        match excuse {
+            Excuse::Corner(number) => *self.corners.entry(number).or_default() += 1,
+            Excuse::Gap { mut curves, gap_mm, at } => {
+                curves.sort();
+                let kind = Sharpness::Gap { gap_mm };
+                let new = SharpPlace { at, curves, kind, triangles: 0 };
+                let known = self.gaps.entry(curves).or_insert(new);
+                if matches!(known.kind, Sharpness::Gap { gap_mm: least } if gap_mm < least) {
+                    *known = SharpPlace { triangles: known.triangles, ..new };
+                }
+                known.triangles += 1;
+            }
+        }
+    }
+
+    fn listed(self) -> Vec<SharpPlace> {
+        let corner = |(number, triangles): (usize, usize)| {
+            let corner = &self.sharp.acute[number];
+            SharpPlace {
+                at: self.planar.graph.points[corner.vertex.index()],
+                curves: corner.tracks.map(|t| self.planar.tracks[t as usize].curve),
+                kind: Sharpness::Corner { angle_deg: corner.angle_rad.to_degrees() },
+                triangles,
+            }
+        };
+        self.corners.into_iter().map(corner).chain(self.gaps.into_values()).collect()
+    }
+}
+
+impl fmt::Display for SharpPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [first, second] = self.curves;
+        match self.kind {
+            Sharpness::Corner { angle_deg } if first == second => {
+                write!(f, "{first} has a corner of {angle_deg:.1}°")?
+            }
+            Sharpness::Corner { angle_deg } => write!(f, "{first} meets {second} at {angle_deg:.1}°")?,
+            Sharpness::Gap { gap_mm } if first == second => {
+                write!(f, "{first} has a piece of {gap_mm:.2e} mm")?
+            }
+            Sharpness::Gap { gap_mm } => write!(f, "{first} passes {second} at {gap_mm:.2e} mm")?,
+        }
+        write!(f, " near ({:.3}, {:.3}) mm", self.at.x, self.at.y)
+    }
 }

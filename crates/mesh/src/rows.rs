@@ -8,8 +8,8 @@ use glam::DVec2;
 use softfold_geometry::FoldLine;
 use std::f64::consts::FRAC_PI_3;
 
-/// A point on a fold line with the turn there, rad.
-pub(crate) type Sample = (DVec2, f64);
+/// A point on a fold line with the turn there, rad, and the length of the line up to it, mm.
+pub(crate) type Sample = (DVec2, f64, f64);
 
 /// A closed fold line of fewer pieces would close on itself.
 const LEAST_PIECES_OF_A_RING: usize = 3;
@@ -21,14 +21,14 @@ const STEPS_PER_TARGET: f64 = 16.0;
 const STEPS_PER_ROW: f64 = 8.0;
 const STEPS: [f64; 2] = [64.0, 65536.0];
 
-/// Neighbouring lines of strips that are narrow in places are shifted against each other by twice this share of a row: triangles twice
-/// as long as wide then have angles of 45° instead of 27°. Where all is narrow every other line begins and ends with half
-/// a row, which shifts them by as much up to the very ends.
+/// Neighbouring lines are set off against each other by half a row: triangles twice as long as wide then have angles of
+/// 45° instead of 27°. Every other line begins and ends with half a row; lines that close on themselves are shifted by this
+/// share of a row one way and the other.
 const SHIFT: f64 = 0.25;
 
-/// Where rows get short towards the ends of lines, the first piece of a line set off by half a row is no shorter than so
-/// many widths of its strip, as far as this share of the row allows.
-const FIRST_PIECE: f64 = 1.5;
+/// The first piece of a line set off by half a row is no shorter than so many widths of its strip, as far as this share
+/// of the row allows.
+const FIRST_PIECE: f64 = 1.0;
 const MOST_OF_A_ROW: f64 = 0.85;
 
 /// Where the ends of lines are shifted against each other, rows that run straight across become slanted like them within
@@ -50,10 +50,10 @@ pub(crate) fn rows(
     sizes: &SizeField,
     least: usize,
 ) -> Vec<Vec<Sample>> {
-    let lines = along_lines(stretch, options);
+    let lines = along_lines(stretch);
     let least = least.max(least_pieces(stretch));
     let (pieces, spacings) = spacings(stretch, &lines, options, sizes, least);
-    let half_rows = stretch.is_narrow_throughout(options);
+    let half_rows = !stretch.is_sharp() && !stretch.is_closed();
     let samples = |(number, (line, spacing)): (usize, (&Along, &Spacing))| {
         let length = |row: f64| line.length_mm_at(spacing, row, pieces);
         if half_rows && number % 2 == 1 {
@@ -62,11 +62,9 @@ pub(crate) fn rows(
         }
         let shift = if number % 2 == 0 { SHIFT } else { -SHIFT };
         let sample = |k: usize| {
-            let row = length(k as f64);
-            // The first and the last row keep their length: what lies beyond the ends follows it.
-            let inner = !half_rows && k > 1 && k + 1 < pieces;
-            let shifted = inner && stretch.is_narrow(line.place_mm(row), options);
-            line.at(if shifted { length(k as f64 + shift) } else { row })
+            // The seam of closed lines stays where it is.
+            let shifted = stretch.is_closed() && k > 0 && k < pieces;
+            line.at(length(if shifted { k as f64 + shift } else { k as f64 }))
         };
         (0..=pieces).map(sample).collect()
     };
@@ -75,18 +73,27 @@ pub(crate) fn rows(
 
 /// Rows at which a line has points that is set off against its neighbours by half a row.
 fn half_rows_of(stretch: &Stretch<'_>, line: &Along, spacing: &Spacing, pieces: usize) -> Vec<f64> {
-    let last = pieces as f64;
-    let mut rows: Vec<f64> = (1..=pieces).map(|k| k as f64 - 0.5).collect();
     let share = |from: f64, to: f64| {
         let [a, b] = [from, to].map(|row| line.length_mm_at(spacing, row, pieces));
         (FIRST_PIECE * stretch.width_mm(line.place_mm(a)) / (b - a).abs()).clamp(0.5, MOST_OF_A_ROW)
     };
-    if pieces > 1 {
-        rows[0] = share(0.0, 1.0);
-        rows[pieces - 1] = last - share(last, last - 1.0);
+    // At a tip the one row up to it is whole.
+    let tips = stretch.tips_mm.map(|t| usize::from(t > 0.0 && pieces > 2));
+    let (first, last) = (tips[0] as f64, (pieces - tips[1]) as f64);
+    let mut rows: Vec<f64> = (tips[0]..pieces - tips[1]).map(|k| k as f64 + 0.5).collect();
+    let count = rows.len();
+    if count > 1 {
+        rows[0] = first + share(first, first + 1.0);
+        rows[count - 1] = last - share(last, last - 1.0);
     }
-    rows.insert(0, 0.0);
+    rows.insert(0, first);
     rows.push(last);
+    if tips[0] > 0 {
+        rows.insert(0, 0.0);
+    }
+    if tips[1] > 0 {
+        rows.push(pieces as f64);
+    }
     rows
 }
 
@@ -112,7 +119,7 @@ fn spacings(
     least: usize,
 ) -> (usize, Vec<Spacing>) {
     let longest = lines.iter().map(Along::length_mm).fold(0.0, f64::max);
-    let row_mm = stretch.widest_edge_mm(options);
+    let row_mm = stretch.narrowest_edge_mm(options);
     let per_mm = (STEPS_PER_TARGET / options.target_edge_mm).max(STEPS_PER_ROW / row_mm);
     let steps = (per_mm * longest).clamp(STEPS[0], STEPS[1]) as usize;
     let middle = |k: usize| (k as f64 + 0.5) / steps as f64;
@@ -128,8 +135,10 @@ fn spacings(
         return (pieces, lines.iter().map(|_| Spacing::Equal).collect());
     }
     let density = |line: &Along, k: usize| {
-        let own = stretch.edge_mm(line.place_mm(line.length_mm() * middle(k)), options);
-        line.length_mm() / steps as f64 / own.min(around[k])
+        let s_mm = line.place_mm(line.length_mm() * middle(k));
+        let own = stretch.edge_mm(s_mm, options);
+        let size = if stretch.is_at_tip(s_mm) { own } else { own.min(around[k]) };
+        line.length_mm() / steps as f64 / size
     };
     let integral = |line| running_sum((0..steps).map(|k| density(line, k)));
     let integrals: Vec<Vec<f64>> = lines.iter().map(integral).collect();
@@ -146,11 +155,10 @@ fn common_edge_mm(stretch: &Stretch<'_>, options: &MeshOptions) -> Option<f64> {
 }
 
 /// The lines of a stretch by what their rows are spaced by.
-fn along_lines<'a>(stretch: &Stretch<'a>, options: &MeshOptions) -> Vec<Along> {
+fn along_lines(stretch: &Stretch<'_>) -> Vec<Along> {
     let by_length = || stretch.lines.iter().map(Along::by_length).collect();
     let ascends = |l: &FoldLine| l.s_mm.windows(2).all(|w| w[0] < w[1]);
-    let alike = common_edge_mm(stretch, options).is_some() && !stretch.is_narrow_somewhere(options);
-    if alike || stretch.is_sharp() || !stretch.lines.iter().all(ascends) {
+    if stretch.is_sharp() || !stretch.lines.iter().all(ascends) {
         return by_length();
     }
     let ends = |l: &FoldLine| [l.s_mm[0], l.s_mm[l.s_mm.len() - 1]];
@@ -176,11 +184,9 @@ struct Along {
 
 impl Along {
     fn by_length(line: &FoldLine) -> Self {
-        Self {
-            samples: line.points.iter().copied().zip(line.turns_rad.iter().copied()).collect(),
-            s_mm: line.s_mm.clone(),
-            along: running_sum(line.points.windows(2).map(|w| w[0].distance(w[1]))),
-        }
+        let along = running_sum(line.points.windows(2).map(|w| w[0].distance(w[1])));
+        let sample = |i: usize| (line.points[i], line.turns_rad[i], along[i]);
+        Self { samples: (0..along.len()).map(sample).collect(), s_mm: line.s_mm.clone(), along }
     }
 
     /// By arc length on the crease between the `inner` places, so that rows run straight across; before and after,
@@ -223,8 +229,8 @@ impl Along {
 
     fn at(&self, s: f64) -> Sample {
         let (i, t) = self.side(s);
-        let [(p, from), (q, to)] = [self.samples[i - 1], self.samples[i]];
-        (p.lerp(q, t), from * (1.0 - t) + to * t)
+        let [(p, turn, length), (q, to, longer)] = [self.samples[i - 1], self.samples[i]];
+        (p.lerp(q, t), turn * (1.0 - t) + to * t, length * (1.0 - t) + longer * t)
     }
 
     /// Arc length on the crease at a length.

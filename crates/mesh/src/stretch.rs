@@ -1,7 +1,7 @@
 //! Bands cut into stretches: runs of fold lines side by side whose strips are meshed in common rows.
 
 use crate::{MeshOptions, VERTEX_DENSITY};
-use softfold_geometry::{Band, FoldLine};
+use softfold_geometry::{Band, FoldLine, LineEnd};
 
 /// The lines of a soft stretch from right to left, or the one line of a sharp stretch.
 pub(crate) struct Stretch<'a> {
@@ -11,16 +11,21 @@ pub(crate) struct Stretch<'a> {
     pub(crate) lines: &'a [FoldLine],
     /// Width of a strip where it is widest, mm; 0 for a sharp stretch.
     widest_mm: f64,
+    /// At each end, if it is a tip: the length of crease on which strips are narrower than [`TIP_SHARE`] of the widest,
+    /// mm; else 0.
+    pub(crate) tips_mm: [f64; 2],
+    /// Arc lengths of the crease at its ends, mm.
+    ends_mm: [f64; 2],
 }
 
-/// Longest edge over the gap beside it: a right triangle of that shape has an angle of 27°.
-pub(crate) const MOST_ASPECT: f64 = 2.0;
 /// Rows are no shorter than this share of the target, as long as the strips are wide enough for
 /// [`MeshOptions::narrow_aspect`].
 const SHORTEST: f64 = 0.25;
-/// Where a stretch tapers, rows get no shorter than at this share of its widest strip: strips narrow down to nothing
-/// at a tip, rows must not.
-const TIP_SHARE: f64 = 0.125;
+/// Where strips get narrower than this share of the widest on the way to a tip, one row goes on to the tip: strips narrow
+/// down to nothing there, rows must not.
+const TIP_SHARE: f64 = 1.0 / 64.0;
+/// Halvings that find where that is.
+const HALVINGS: u32 = 40;
 
 /// The stretches of a band, in order.
 pub(crate) fn stretches(band: &Band) -> Vec<Stretch<'_>> {
@@ -36,12 +41,43 @@ pub(crate) fn stretches(band: &Band) -> Vec<Stretch<'_>> {
 
 impl<'a> Stretch<'a> {
     fn new(band: &'a Band, first: u32, lines: &'a [FoldLine]) -> Self {
-        let mut stretch = Self { band, first, lines, widest_mm: 0.0 };
+        let ends_mm = lines.first().map_or([0.0; 2], |l| [l.s_mm[0], l.s_mm[l.s_mm.len() - 1]]);
+        let mut stretch = Self { band, first, lines, widest_mm: 0.0, tips_mm: [0.0; 2], ends_mm };
         if !stretch.is_sharp() {
             let widths = lines.iter().flat_map(|l| &l.s_mm).map(|&s| stretch.width_mm(s));
             stretch.widest_mm = widths.fold(0.0, f64::max);
+            stretch.tips_mm = [0, 1].map(|end| stretch.tip_mm(end));
         }
         stretch
+    }
+
+    /// Length of the narrow part before a tip, mm; 0 at other ends.
+    fn tip_mm(&self, end: usize) -> f64 {
+        if !self.lines.iter().all(|l| l.ends[end] == LineEnd::Tip) {
+            return 0.0;
+        }
+        let (tip, far) = (self.ends_mm[end], self.ends_mm[1 - end]);
+        let is_narrow = |share: f64| self.width_mm(tip + share * (far - tip)) < TIP_SHARE * self.widest_mm;
+        // Widths are piecewise smooth between the places of the profile: the first one that is wide bounds the part.
+        let share = |s: f64| (s - tip) / (far - tip);
+        let places = self.band.profile.iter().map(|p| share(p.s_mm)).filter(|t| (0.0..1.0).contains(t));
+        let mut wide = places.filter(|t| !is_narrow(*t)).fold(1.0, f64::min);
+        let mut narrow = 0.0;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (narrow + wide);
+            *(if is_narrow(middle) { &mut narrow } else { &mut wide }) = middle;
+        }
+        (wide * (far - tip)).abs()
+    }
+
+    /// Whether an arc length of the crease is in the last row before a tip.
+    pub(crate) fn is_at_tip(&self, s_mm: f64) -> bool {
+        self.tip_at(s_mm).is_some()
+    }
+
+    fn tip_at(&self, s_mm: f64) -> Option<f64> {
+        let within = |end: usize| (s_mm - self.ends_mm[end]).abs() < self.tips_mm[end];
+        (0..2).find(|&end| within(end)).map(|end| self.tips_mm[end])
     }
 
     /// Whether it has no strips.
@@ -65,22 +101,16 @@ impl<'a> Stretch<'a> {
         if self.is_sharp() {
             return options.target_edge_mm;
         }
-        strip_edge_mm(self.width_mm(s_mm).max(TIP_SHARE * self.widest_mm), options)
+        let edge_mm = strip_edge_mm(self.width_mm(s_mm).max(TIP_SHARE * self.widest_mm), options);
+        self.tip_at(s_mm).map_or(edge_mm, |tip_mm| tip_mm.max(edge_mm))
     }
 
-    /// Whether strips are so narrow at an arc length of the crease that rows are longer than [`MOST_ASPECT`] of them.
-    pub(crate) fn is_narrow(&self, s_mm: f64, options: &MeshOptions) -> bool {
-        !self.is_sharp() && MOST_ASPECT * self.width_mm(s_mm) < SHORTEST * options.target_edge_mm
-    }
-
-    /// Whether it is so narrow anywhere.
-    pub(crate) fn is_narrow_somewhere(&self, options: &MeshOptions) -> bool {
-        self.lines.iter().flat_map(|l| &l.s_mm).any(|&s| self.is_narrow(s, options))
-    }
-
-    /// Whether it is so narrow everywhere.
-    pub(crate) fn is_narrow_throughout(&self, options: &MeshOptions) -> bool {
-        self.lines.iter().flat_map(|l| &l.s_mm).all(|&s| self.is_narrow(s, options))
+    /// Wished length of its shortest rows, mm.
+    pub(crate) fn narrowest_edge_mm(&self, options: &MeshOptions) -> f64 {
+        let edges = self.lines.iter().flat_map(|l| self.edges_mm(l, options));
+        let at_tips = self.tips_mm.iter().any(|t| *t > 0.0);
+        let tip = if at_tips { strip_edge_mm(TIP_SHARE * self.widest_mm, options) } else { f64::MAX };
+        edges.fold(tip.min(self.widest_edge_mm(options)), f64::min)
     }
 
     /// Wished lengths of rows at the points of a line, mm.

@@ -14,7 +14,7 @@ use common::{
 };
 use glam::DVec2;
 use proptest::prelude::*;
-use softfold_geometry::{EdgeClass, JunctionRegion, LineEnd, Site, SoftPattern};
+use softfold_geometry::{EdgeClass, EdgeId, JunctionRegion, LineEnd, Site, SoftPattern};
 use softfold_mesh::Backend;
 use std::collections::BTreeMap;
 
@@ -36,14 +36,14 @@ fn three_to_six_bands_leave_a_free_region() {
 
 #[test]
 fn corners_of_a_region_that_miss_the_lines_by_rounding_are_their_ends() {
-    let exact = star(SIZE_MM, &[(20.0, 30.0), (110.0, 10.0), (200.0, 12.0), (290.0, 20.0)]);
-    let mut soft = exact.clone();
+    let mut soft = star(SIZE_MM, &[(20.0, 30.0), (110.0, 10.0), (200.0, 12.0), (290.0, 20.0)]);
     for corner in &mut soft.junctions[0].polygon {
         *corner += DVec2::new(3e-13, -2e-13);
     }
     with_backends(|options| {
         let m = sound(&soft, &options);
-        assert_eq!(m.triangles, softfold_mesh::mesh(&exact, &options).unwrap().mesh.triangles);
+        let shortest = (0..m.edges.len()).map(|e| m.edge_length_mm(EdgeId::new(e))).fold(f64::MAX, f64::min);
+        assert!(shortest > 1e-3, "two points of {shortest} mm where there is one");
     });
 }
 

@@ -48,7 +48,9 @@ fn a_short_slit_still_opens() {
     let soft = cut(vec![polyline(&[(100., 80.), (104., 80.)])]);
     with_backends(|options| {
         let m = sound(&soft, &options);
-        assert_eq!((at(&m, 102., 80.), euler(&m)), (2, 0));
+        let inside = |p: &&DVec2| (p.y - 80.0).abs() < 1e-9 && p.x > 100.01 && p.x < 103.99;
+        let lips = m.vertices.iter().filter(inside).count();
+        assert!(lips >= 2 && lips % 2 == 0 && euler(&m) == 0, "{lips}");
         assert_good(&m, &[]);
     });
 }

@@ -198,7 +198,7 @@ pub(crate) fn sound(soft: &SoftPattern, options: &MeshOptions) -> FlatMesh {
     fold_lines_are_whole(soft, m);
     free_edges_are_those_of_regions(soft, m);
     slits_are_open(soft, m);
-    let Meshed { mesh, graph } = meshed;
+    let Meshed { mesh, graph, .. } = meshed;
     let check = crosscheck(&graph).unwrap();
     assert!(check.agrees(), "{check:?}");
     mesh
