@@ -2,7 +2,6 @@
 
 use crate::{CheckError, CreaseId, EdgeId, LoopId, TriangleId, VertexId};
 use glam::DVec2;
-use std::collections::BTreeMap;
 
 /// Where a vertex sits on the sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,14 +81,9 @@ impl FlatMesh {
         triangles: Vec<[VertexId; 3]>,
         class: impl Fn([VertexId; 2], bool) -> EdgeClass,
     ) -> Self {
-        let mut sides: BTreeMap<[VertexId; 2], Vec<(TriangleId, bool)>> = BTreeMap::new();
-        for (t, corners) in triangles.iter().enumerate() {
-            for k in 0..3 {
-                let (a, b) = (corners[k], corners[(k + 1) % 3]);
-                sides.entry([a.min(b), a.max(b)]).or_default().push((TriangleId::new(t), a < b));
-            }
-        }
-        let edges = sides.into_iter().map(|(key, sides)| edge(key, &sides, &class)).collect();
+        let sides = sides_by_edge(vertices.len(), &triangles);
+        let same = |a: &Side, b: &Side| a.low == b.low && a.high == b.high;
+        let edges = sides.chunk_by(same).map(|sides| edge(sides, &class)).collect();
         Self { vertices, sites, triangles, edges }
     }
 
@@ -198,16 +192,55 @@ impl FlatMesh {
     }
 }
 
-fn edge(
-    key: [VertexId; 2],
-    sides: &[(TriangleId, bool)],
-    class: &impl Fn([VertexId; 2], bool) -> EdgeClass,
-) -> Edge {
-    let side = |wanted: bool| sides.iter().find(|s| s.1 == wanted).map(|s| s.0);
-    let class = class(key, sides.len() == 1);
+/// A side of a triangle.
+#[derive(Clone, Copy)]
+struct Side {
+    low: VertexId,
+    high: VertexId,
+    triangle: TriangleId,
+    /// Whether it goes from the lower vertex to the higher one.
+    upwards: bool,
+}
+
+/// Sides of triangles by their lower, then their higher vertex; sorted by counting, in linear time.
+fn sides_by_edge(vertices: usize, triangles: &[[VertexId; 3]]) -> Vec<Side> {
+    let sides = || {
+        triangles.iter().enumerate().flat_map(|(t, c)| {
+            [[c[0], c[1]], [c[1], c[2]], [c[2], c[0]]].map(|[a, b]| Side {
+                low: a.min(b),
+                high: a.max(b),
+                triangle: TriangleId::new(t),
+                upwards: a < b,
+            })
+        })
+    };
+    // A corner that is no vertex is for check() to find.
+    let named = triangles.iter().flatten().map(|v| v.index() + 1).max().unwrap_or(0);
+    let vertices = vertices.max(named);
+    let mut next = vec![0_usize; vertices + 1];
+    sides().for_each(|s| next[s.low.index() + 1] += 1);
+    for v in 0..vertices {
+        next[v + 1] += next[v];
+    }
+    let nothing = Side { low: VertexId(0), high: VertexId(0), triangle: TriangleId(0), upwards: true };
+    let mut sorted = vec![nothing; 3 * triangles.len()];
+    for side in sides() {
+        let place = &mut next[side.low.index()];
+        sorted[*place] = side;
+        *place += 1;
+    }
+    sorted.chunk_by_mut(|a, b| a.low == b.low).for_each(|same| same.sort_by_key(|s| s.high));
+    sorted
+}
+
+/// The edge of one or two sides.
+fn edge(sides: &[Side], class: &impl Fn([VertexId; 2], bool) -> EdgeClass) -> Edge {
+    let (low, high) = (sides[0].low, sides[0].high);
+    let side = |upwards: bool| sides.iter().find(|s| s.upwards == upwards).map(|s| s.triangle);
+    let class = class([low, high], sides.len() == 1);
     match (side(true), side(false)) {
-        (None, right) => Edge { vertices: [key[1], key[0]], triangles: [right, None], class },
-        (left, right) => Edge { vertices: key, triangles: [left, right], class },
+        (None, right) => Edge { vertices: [high, low], triangles: [right, None], class },
+        (left, right) => Edge { vertices: [low, high], triangles: [left, right], class },
     }
 }
 

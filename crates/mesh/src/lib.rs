@@ -4,16 +4,20 @@
 //! relaxation with crease and outline points held. Bands are meshed in rows along their strips, so no
 //! triangle crosses a fold line; edges know their fold line from the constraint they came from.
 
+mod background;
 mod boundary;
 mod cdt;
 mod classes;
 mod crosscheck;
+mod edges;
 mod gaps;
 mod graph;
 mod inside;
 mod interior;
 mod locate;
 mod mend;
+mod net;
+mod order;
 mod places;
 mod quality;
 mod refine;
@@ -41,6 +45,7 @@ pub use transfer::{transfer, transfer_smooth};
 use boundary::Boundaries;
 use glam::DVec2;
 use graph::GraphBuilder;
+use net::Net;
 use refine::Planar;
 use softfold_geometry::{CheckError, FlatMesh, Site, SoftPattern};
 use stretch::stretches;
@@ -77,7 +82,7 @@ impl Default for MeshOptions {
             narrow_aspect: 1.8,
             chord: 0.05,
             grading: 0.25,
-            relaxation_rounds: 12,
+            relaxation_rounds: 6,
             seed: 1,
             backend: Backend::Spade,
         }
@@ -179,18 +184,9 @@ pub fn mesh(soft: &SoftPattern, options: &MeshOptions) -> Result<Meshed, MeshErr
     interior::scatter(&mut graph.points, &polygons, &sizes, options.seed, MOST_VERTICES as usize);
     check_vertices(graph.points.len() as f64, options)?;
     planar.sites.resize(graph.points.len(), Site::Interior);
-    let mut triangulated = triangulate(graph, options.backend)?;
     let weight = if sizes.is_steep() { relax::Weight::Same } else { relax::Weight::Area };
-    for _ in 0..options.relaxation_rounds {
-        relax::round(&mut graph.points, held, &triangulated.triangles, weight);
-        triangulated = triangulate(graph, options.backend)?;
-    }
-    for _ in 0..mend::ROUNDS {
-        if !mend::round(&mut graph.points, held, &triangulated.triangles) {
-            break;
-        }
-        triangulated = triangulate(graph, options.backend)?;
-    }
+    let triangulated = triangulate(graph, options.backend)?;
+    improve(graph, held, &triangulated, options.relaxation_rounds, weight);
     refine::refine(&mut planar, options, shortest_row_mm(soft, options))?;
     let topology = refine::topology(&planar, options.backend)?;
     let inspection = quality::inspect(&planar, &topology, options.target_edge_mm);
@@ -199,6 +195,29 @@ pub fn mesh(soft: &SoftPattern, options: &MeshOptions) -> Result<Meshed, MeshErr
     let mesh = classes::classified(&graph, opened, soft.loops.len());
     mesh.check()?;
     Ok(Meshed { mesh, graph, inspection })
+}
+
+/// Relaxes the points from number `held` on and mends small angles.
+fn improve(
+    graph: &mut PlanarGraph,
+    held: usize,
+    triangulated: &Triangulated,
+    rounds: u32,
+    weight: relax::Weight,
+) {
+    let PlanarGraph { points, constraints } = graph;
+    let (mut net, rings) = Net::new(points.len(), &triangulated.triangles);
+    constraints.iter().for_each(|(edge, _)| net.fix(&rings, *edge));
+    for _ in 0..rounds {
+        relax::round(points, held, &net, weight);
+        net.flip_to_delaunay(points, held);
+    }
+    for _ in 0..mend::ROUNDS {
+        if !mend::round(points, held, &net) {
+            break;
+        }
+        net.flip_to_delaunay(points, held);
+    }
 }
 
 /// Length of the shortest rows at their widest, mm; the target's without bands.

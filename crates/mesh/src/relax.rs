@@ -1,8 +1,7 @@
 //! Relaxation: free points move to the middle of their surroundings, points on curves are held.
 
-use crate::rings::Rings;
+use crate::net::Net;
 use glam::DVec2;
-use softfold_geometry::VertexId;
 
 /// Share of a triangle's area that must be left after a move.
 const LEAST_AREA_LEFT: f64 = 0.1;
@@ -18,46 +17,37 @@ pub(crate) enum Weight {
 
 /// One round: every point from number `held` on moves to the weighted centre of its triangles, unless that would turn
 /// one of them over.
-pub(crate) fn round(points: &mut [DVec2], held: usize, triangles: &[[VertexId; 3]], weight: Weight) {
-    let rings = Rings::new(points.len(), triangles);
+pub(crate) fn round(points: &mut [DVec2], held: usize, net: &Net, weight: Weight) {
+    let (mut ring, mut around) = (Vec::new(), Vec::new());
     for v in held..points.len() {
-        let ring = rings.of(v);
-        if ring.is_empty() {
+        if !net.ring(v, &mut ring) {
             continue;
         }
-        let (old, new) = (points[v], middle(points, triangles, ring, weight));
-        let before = areas(points, triangles, ring);
-        points[v] = new;
-        let after = areas(points, triangles, ring);
-        if after.iter().zip(&before).any(|(a, b)| *a < LEAST_AREA_LEFT * b) {
-            points[v] = old;
+        let old = points[v];
+        around.clear();
+        around.extend(ring.iter().map(|&n| points[n as usize] - old));
+        let step = to_middle(&around, weight);
+        if sides(&around).all(|(a, b)| (a - step).perp_dot(b - step) > LEAST_AREA_LEFT * a.perp_dot(b)) {
+            points[v] = old + step;
         }
     }
 }
 
-fn corners(points: &[DVec2], triangle: [VertexId; 3]) -> [DVec2; 3] {
-    triangle.map(|v| points[v.index()])
-}
-
-fn middle(points: &[DVec2], triangles: &[[VertexId; 3]], ring: &[u32], by: Weight) -> DVec2 {
+/// From a point to the weighted centre of the triangles between it and its neighbours, given from it.
+fn to_middle(around: &[DVec2], by: Weight) -> DVec2 {
     let (mut sum, mut weight) = (DVec2::ZERO, 0.0);
-    for &t in ring {
-        let [a, b, c] = corners(points, triangles[t as usize]);
+    for (a, b) in sides(around) {
         let area = match by {
-            Weight::Area => (b - a).perp_dot(c - a),
+            Weight::Area => a.perp_dot(b),
             Weight::Same => 1.0,
         };
-        sum += area * (a + b + c) / 3.0;
+        sum += area * (a + b);
         weight += area;
     }
-    sum / weight
+    sum / (3.0 * weight)
 }
 
-fn areas(points: &[DVec2], triangles: &[[VertexId; 3]], ring: &[u32]) -> Vec<f64> {
-    ring.iter()
-        .map(|&t| {
-            let [a, b, c] = corners(points, triangles[t as usize]);
-            (b - a).perp_dot(c - a)
-        })
-        .collect()
+fn sides(ring: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> {
+    let last = ring.last().copied().unwrap_or_default();
+    ring.iter().scan(last, |from, &to| Some((std::mem::replace(from, to), to)))
 }

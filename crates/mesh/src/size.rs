@@ -75,7 +75,8 @@ impl SizeField {
         Self::from_sources(sources, options)
     }
 
-    fn from_sources(mut sources: Vec<Source>, options: &MeshOptions) -> Self {
+    /// From the lengths asked for at places; those beyond the target are none.
+    pub(crate) fn from_sources(mut sources: Vec<Source>, options: &MeshOptions) -> Self {
         sources.retain(|s| s.data < options.target_edge_mm);
         sources.sort_by(|a, b| a.data.total_cmp(&b.data));
         let mut classes = Vec::new();
@@ -90,9 +91,21 @@ impl SizeField {
 
     /// Wished edge length at a point, mm. It grows by no more than [`Self::fastest`] per mm.
     pub(crate) fn at(&self, p: DVec2) -> f64 {
-        let mut size = self.target_mm;
-        for class in self.classes.iter().take_while(|c| c.least_mm < self.target_mm) {
-            if class.least_mm < size {
+        self.below(p, self.target_mm)
+    }
+
+    /// No more than the least wished edge length within a distance, mm, and no less than the least of all.
+    pub(crate) fn least_within(&self, p: DVec2, distance_mm: f64) -> f64 {
+        let change_mm = self.growth.faster * distance_mm;
+        let least = self.below(p, self.target_mm + change_mm) - change_mm;
+        least.max(self.classes.first().map_or(self.target_mm, |c| c.least_mm))
+    }
+
+    /// Least length that any source asks for at a point, as far as it is below `size`.
+    fn below(&self, p: DVec2, mut size: f64) -> f64 {
+        for class in &self.classes {
+            let apart_mm = class.sources.root().envelope().distance_2(&[p.x, p.y]).sqrt();
+            if self.growth.grown_mm(class.least_mm, apart_mm) < size {
                 size = size.min(self.within(class, p, size));
             }
         }

@@ -1,0 +1,296 @@
+//! Triangles that know their neighbours, in flat arrays, and the flips that make them Delaunay again after vertices
+//! have moved.
+
+use crate::rings::Rings;
+use glam::DVec2;
+use robust::Coord;
+use softfold_geometry::VertexId;
+
+/// No triangle: beyond a boundary side.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// A triangulation by its triangles. Side `k` of a triangle goes from its corner `k` to the next one.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Net {
+    /// Corners, counter-clockwise.
+    corners: Vec<[u32; 3]>,
+    /// The triangle beyond each side, or [`NONE`].
+    across: Vec<[u32; 3]>,
+    /// Which sides must stay: bit `k` for side `k`.
+    fixed: Vec<u8>,
+    /// A triangle at each vertex, or [`NONE`].
+    at: Vec<u32>,
+}
+
+impl Net {
+    /// Finds the neighbours of triangles, in linear time; with the triangles around each vertex.
+    pub(crate) fn new(vertices: usize, triangles: &[[VertexId; 3]]) -> (Self, Rings) {
+        let rings = Rings::new(vertices, triangles);
+        let corners: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| v.0)).collect();
+        let mut across = vec![[NONE; 3]; corners.len()];
+        for (t, c) in corners.iter().enumerate() {
+            for k in 0..3 {
+                let (a, b) = (c[k], c[(k + 1) % 3]);
+                if across[t][k] != NONE {
+                    continue;
+                }
+                if let Some((u, j)) = left_of(&corners, &rings, [b, a]) {
+                    across[t][k] = u as u32;
+                    across[u][j] = t as u32;
+                }
+            }
+        }
+        let at = (0..vertices).map(|v| rings.of(v).first().copied().unwrap_or(NONE)).collect();
+        (Self { fixed: vec![0; corners.len()], corners, across, at }, rings)
+    }
+
+    /// The triangle to the left of an edge, and which of its sides the edge is.
+    pub(crate) fn left_of(&self, rings: &Rings, edge: [VertexId; 2]) -> Option<(usize, usize)> {
+        left_of(&self.corners, rings, edge.map(|v| v.0))
+    }
+
+    /// The triangles that are reached from some of them without crossing a fixed side.
+    pub(crate) fn reached(&self, from: Vec<usize>) -> Vec<bool> {
+        let mut reached = vec![false; self.corners.len()];
+        let mut open = from;
+        while let Some(t) = open.pop() {
+            if std::mem::replace(&mut reached[t], true) {
+                continue;
+            }
+            let beyond = |&k: &usize| self.fixed[t] >> k & 1 == 0 && self.across[t][k] != NONE;
+            open.extend((0..3).filter(beyond).map(|k| self.across[t][k] as usize));
+        }
+        reached
+    }
+
+    /// Corners of all triangles.
+    #[cfg(test)]
+    pub(crate) fn triangles(&self) -> Vec<[VertexId; 3]> {
+        self.corners.iter().map(|c| c.map(VertexId)).collect()
+    }
+
+    /// Corners of all triangles by their numbers.
+    pub(crate) fn corners(&self) -> &[[u32; 3]] {
+        &self.corners
+    }
+
+    /// Keeps an edge from being flipped.
+    pub(crate) fn fix(&mut self, rings: &Rings, [a, b]: [VertexId; 2]) {
+        for edge in [[a, b], [b, a]] {
+            if let Some((t, k)) = self.left_of(rings, edge) {
+                self.fixed[t] |= 1 << k;
+            }
+        }
+    }
+
+    /// Writes the neighbours of a vertex, counter-clockwise; false if it is on the boundary or has no triangles.
+    pub(crate) fn ring(&self, vertex: usize, ring: &mut Vec<u32>) -> bool {
+        ring.clear();
+        let first = self.at[vertex];
+        let mut t = first;
+        while t != NONE {
+            let c = self.corners[t as usize];
+            let k = side_from(&c, vertex as u32);
+            ring.push(c[(k + 1) % 3]);
+            t = self.across[t as usize][(k + 2) % 3];
+            if t == first {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Flips edges until the triangulation is constrained Delaunay again after vertices from number `held` on have moved:
+    /// C. L. Lawson, *Software for C¹ surface interpolation* (1977). All triangles must be counter-clockwise; predicates
+    /// are exact, so that it ends and they stay so.
+    pub(crate) fn flip_to_delaunay(&mut self, points: &[DVec2], held: usize) {
+        let moves = |corners: &[u32; 3]| corners.iter().any(|v| *v as usize >= held);
+        let mut open = Vec::new();
+        for t in 0..self.corners.len() {
+            for k in 0..3 {
+                // Each edge from one of its sides.
+                let beyond = self.across[t][k];
+                if beyond < t as u32 && (moves(&self.corners[t]) || moves(&self.corners[beyond as usize])) {
+                    open.push((t as u32, k as u8));
+                    self.drain(points, &mut open);
+                }
+            }
+        }
+    }
+
+    fn drain(&mut self, points: &[DVec2], open: &mut Vec<(u32, u8)>) {
+        while let Some((t, k)) = open.pop() {
+            let (t, k) = (t as usize, k as usize);
+            let u = self.across[t][k];
+            if u == NONE || self.fixed[t] >> k & 1 == 1 {
+                continue;
+            }
+            let u = u as usize;
+            let j = side_from(&self.corners[u], self.corners[t][(k + 1) % 3]);
+            if self.is_delaunay(points, t, self.corners[u][(j + 2) % 3]) {
+                continue;
+            }
+            self.flip([t, k], [u, j]);
+            let [t, u] = [t as u32, u as u32];
+            open.extend([(t, 0), (t, 1), (u, 0), (u, 1)]);
+        }
+    }
+
+    /// Whether a point is not inside the circle through the corners of a triangle.
+    fn is_delaunay(&self, points: &[DVec2], t: usize, d: u32) -> bool {
+        let [a, b, c] = self.corners[t];
+        let [a, b, c, d] = [a, b, c, d].map(|v| points[v as usize]).map(|p| Coord { x: p.x, y: p.y });
+        robust::incircle(a, b, c, d) <= 0.0
+    }
+
+    /// Turns the edge between two triangles. Their sides 2 are the new edge.
+    fn flip(&mut self, [t, k]: [usize; 2], [u, j]: [usize; 2]) {
+        let side = |net: &Self, t: usize, k: usize| (net.across[t][k % 3], net.fixed[t] >> (k % 3) & 1);
+        let [a, b, c] = [0, 1, 2].map(|i| self.corners[t][(k + i) % 3]);
+        let d = self.corners[u][(j + 2) % 3];
+        let [bc, ca] = [side(self, t, k + 1), side(self, t, k + 2)];
+        let [ad, db] = [side(self, u, j + 1), side(self, u, j + 2)];
+        self.corners[t] = [c, a, d];
+        self.across[t] = [ca.0, ad.0, u as u32];
+        self.fixed[t] = ca.1 | ad.1 << 1;
+        self.corners[u] = [d, b, c];
+        self.across[u] = [db.0, bc.0, t as u32];
+        self.fixed[u] = db.1 | bc.1 << 1;
+        // Seen from beyond, an edge begins where it ends here.
+        self.turn_to(ad.0, d, t as u32);
+        self.turn_to(bc.0, c, u as u32);
+        for (v, t) in [(a, t), (c, t), (b, u), (d, u)] {
+            self.at[v as usize] = t as u32;
+        }
+    }
+
+    /// The triangle beyond a side now borders on another one; seen from there the side begins at `from`.
+    fn turn_to(&mut self, beyond: u32, from: u32, new: u32) {
+        if beyond != NONE {
+            let beyond = beyond as usize;
+            self.across[beyond][side_from(&self.corners[beyond], from)] = new;
+        }
+    }
+}
+
+/// The side of a triangle that begins at one of its corners.
+fn side_from(corners: &[u32; 3], vertex: u32) -> usize {
+    if corners[0] == vertex { 0 } else { 2 - usize::from(corners[1] == vertex) }
+}
+
+fn left_of(corners: &[[u32; 3]], rings: &Rings, [a, b]: [u32; 2]) -> Option<(usize, usize)> {
+    rings.of(a as usize).iter().find_map(|&t| {
+        let c = corners[t as usize];
+        (0..3).find(|&k| c[k] == a && c[(k + 1) % 3] == b).map(|k| (t as usize, k))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cdt::{Backend, Constraint, PlanarGraph, canonical, triangulate};
+    use crate::rng::SplitMix64;
+    use proptest::prelude::*;
+    use softfold_geometry::{CreaseId, LoopId};
+
+    const SIDE: usize = 8;
+
+    /// A square with a square hole, a fold line of two pieces, a slit, and random points between them.
+    fn graph(random: &mut SplitMix64, count: usize) -> (PlanarGraph, usize) {
+        let mut points: Vec<DVec2> = [(0, 0), (8, 0), (8, 8), (0, 8), (2, 2), (2, 4), (4, 4), (4, 2)]
+            .map(|(x, y)| DVec2::new(f64::from(x), f64::from(y)))
+            .to_vec();
+        points.extend([(5.0, 1.0), (5.3, 4.0), (5.0, 7.0), (1.0, 6.0), (4.0, 6.5)].map(DVec2::from));
+        let outline = |id: u32| Constraint::Boundary { loop_id: LoopId(id) };
+        let fold = Constraint::Fold { crease: CreaseId(0), line: 0, turn_rad: 0.1 };
+        let mut edges: Vec<([u32; 2], Constraint)> = Vec::new();
+        for k in 0..4 {
+            edges.extend([([k, (k + 1) % 4], outline(0)), ([4 + k, 4 + (k + 1) % 4], outline(1))]);
+        }
+        edges.extend([([8, 9], fold), ([9, 10], fold), ([11, 12], Constraint::Slit { slit: 0 })]);
+        let constraints = edges.into_iter().map(|(e, c)| (e.map(VertexId), c)).collect();
+        let held = points.len();
+        while points.len() < held + count {
+            let p = SIDE as f64 * DVec2::new(random.unit(), random.unit());
+            let in_hole = p.cmpge(DVec2::splat(2.0)).all() && p.cmple(DVec2::splat(4.0)).all();
+            if !in_hole {
+                points.push(p);
+            }
+        }
+        (PlanarGraph { points, constraints }, held)
+    }
+
+    /// Moves every free point at random as far as no triangle turns over.
+    fn shake(points: &mut [DVec2], held: usize, net: &Net, random: &mut SplitMix64) -> usize {
+        let (mut ring, mut moved) = (Vec::new(), 0);
+        for v in held..points.len() {
+            let p = points[v] + DVec2::new(random.unit() - 0.5, random.unit() - 0.5);
+            let is_left = |a: u32, b: u32| {
+                let [a, b, p] = [points[a as usize], points[b as usize], p].map(|p| Coord { x: p.x, y: p.y });
+                robust::orient2d(a, b, p) > 0.0
+            };
+            let whole = net.ring(v, &mut ring);
+            if whole && (0..ring.len()).all(|i| is_left(ring[i], ring[(i + 1) % ring.len()])) {
+                points[v] = p;
+                moved += 1;
+            }
+        }
+        moved
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+
+        #[test]
+        fn flips_after_moves_give_what_both_backends_give(seed in any::<u64>(), count in 3_usize..400) {
+            let mut random = SplitMix64(seed);
+            let (mut graph, held) = graph(&mut random, count);
+            let before = triangulate(&graph, Backend::Spade).unwrap().triangles;
+            let (mut net, rings) = Net::new(graph.points.len(), &before);
+            graph.constraints.iter().for_each(|(edge, _)| net.fix(&rings, *edge));
+            let mut moved = 0;
+            for _ in 0..4 {
+                moved += shake(&mut graph.points, held, &net, &mut random);
+                net.flip_to_delaunay(&graph.points, held);
+                let flipped = canonical(graph.points.len(), &net.triangles());
+                for backend in [Backend::Spade, Backend::Cgal] {
+                    prop_assert_eq!(&flipped, &triangulate(&graph, backend).unwrap().triangles);
+                }
+            }
+            prop_assert!(moved > count / 4, "{} of {}", moved, count);
+            consistent(&net)?;
+        }
+    }
+
+    /// Neighbours name each other, constraints are fixed from both sides, vertices have a triangle of theirs.
+    fn consistent(net: &Net) -> Result<(), TestCaseError> {
+        for t in 0..net.corners.len() {
+            for k in 0..3 {
+                let Some(beyond) = net.across[t][k].lt(&NONE).then_some(net.across[t][k] as usize) else {
+                    continue;
+                };
+                let j = side_from(&net.corners[beyond], net.corners[t][(k + 1) % 3]);
+                prop_assert_eq!(net.corners[beyond][(j + 1) % 3], net.corners[t][k]);
+                prop_assert_eq!(net.across[beyond][j] as usize, t);
+                prop_assert_eq!(net.fixed[beyond] >> j & 1, net.fixed[t] >> k & 1);
+            }
+        }
+        for (v, &t) in net.at.iter().enumerate().filter(|(_, t)| **t != NONE) {
+            prop_assert!(net.corners[t as usize].contains(&(v as u32)));
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_ring_goes_once_around_a_vertex_and_stops_at_the_boundary() {
+        let triangles: Vec<[VertexId; 3]> = (0..5).map(|k| [5, k, (k + 1) % 5].map(VertexId)).collect();
+        let (net, _) = Net::new(7, &triangles);
+        let mut ring = Vec::new();
+        assert!(net.ring(5, &mut ring));
+        let first = ring.iter().position(|&v| v == 0).unwrap();
+        ring.rotate_left(first);
+        assert_eq!(ring, [0, 1, 2, 3, 4]);
+        assert!(!net.ring(0, &mut ring), "on the boundary");
+        assert!(!net.ring(6, &mut ring), "no triangles");
+    }
+}
