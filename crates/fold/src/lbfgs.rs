@@ -8,8 +8,9 @@
 
 use crate::goal::{Curvature, Scales};
 use crate::laplacian::{Laplacian, Prefactored};
-use crate::newton::{NewtonOptions, Stop, factorisation};
+use crate::newton::NewtonOptions;
 use crate::objective::{GradientSum, Objective};
+use crate::stop::{Halt, Stop, record};
 use crate::{FoldError, Iteration};
 use glam::DVec3;
 use softfold_geometry::SolveRecord;
@@ -28,12 +29,15 @@ pub struct LbfgsOptions {
     pub max_iterations: u32,
     /// Steps from which the curvature is learnt; each costs two vectors of the positions' size.
     pub memory: usize,
+    /// Ends it from outside.
+    pub halt: Halt,
 }
 
 impl Default for LbfgsOptions {
     fn default() -> Self {
         let NewtonOptions { ramp, softened_gradient, .. } = NewtonOptions::default();
-        Self { ramp, relative_gradient: 1e-6, softened_gradient, max_iterations: 20_000, memory: 12 }
+        let halt = Halt::default();
+        Self { ramp, relative_gradient: 1e-6, softened_gradient, max_iterations: 20_000, memory: 12, halt }
     }
 }
 
@@ -94,17 +98,20 @@ pub fn minimise(
     objective: &Objective<'_>,
     start: &[DVec3],
     options: &LbfgsOptions,
-    watch: &mut dyn FnMut(Iteration),
+    watch: &mut dyn FnMut(Iteration<'_>),
 ) -> Result<(Vec<DVec3>, SolveRecord), FoldError> {
     let floor = objective.force_floor(start);
     let mut lbfgs = Lbfgs { objective, options, x: start.to_vec(), iterations: 0, floor };
-    let mut stop = Stop::Converged;
+    let mut stop = Stop::Gradient(options.relative_gradient);
     for (i, &scales) in options.ramp.iter().enumerate() {
         let last = i + 1 == options.ramp.len();
         let target = if last { options.relative_gradient } else { options.softened_gradient };
         stop = lbfgs.stage(scales, target, watch)?;
+        if stop.is_budget() {
+            break;
+        }
     }
-    Ok(lbfgs.finish(&stop))
+    Ok(lbfgs.finish(start, stop))
 }
 
 impl<'a> Lbfgs<'a> {
@@ -112,16 +119,19 @@ impl<'a> Lbfgs<'a> {
         &mut self,
         scales: Scales,
         target: f64,
-        watch: &mut dyn FnMut(Iteration),
+        watch: &mut dyn FnMut(Iteration<'_>),
     ) -> Result<Stop, FoldError> {
         let mut gradient = self.objective.gradient(&self.x, scales);
         if gradient.relative(self.floor) <= target {
-            return Ok(Stop::Converged);
+            return Ok(Stop::Gradient(target));
         }
         let mut stage = Stage::new(self.objective, scales, &self.x, self.options.memory)?;
         while gradient.relative(self.floor) > target {
             if self.iterations >= self.options.max_iterations {
-                return Ok(Stop::Budget);
+                return Ok(Stop::Iterations(self.options.max_iterations));
+            }
+            if self.options.halt.is_set() {
+                return Ok(Stop::Halted);
             }
             let Some(reached) = stage.step(&self.x, &gradient.sum) else {
                 return Ok(Stop::NoDescent);
@@ -130,26 +140,23 @@ impl<'a> Lbfgs<'a> {
             (self.x, gradient) = (reached.x, reached.gradient);
             watch(Iteration {
                 number: self.iterations,
+                level: 0,
                 energy: reached.energy,
                 relative_gradient: gradient.relative(self.floor),
+                positions: &self.x,
             });
         }
-        Ok(Stop::Converged)
+        Ok(Stop::Gradient(target))
     }
 
-    fn finish(self, stop: &Stop) -> (Vec<DVec3>, SolveRecord) {
-        let options = self.options;
-        let scales = options.ramp.last().copied().unwrap_or(Scales::FULL);
-        let relative_gradient = self.objective.gradient(&self.x, scales).relative(self.floor);
-        let record = SolveRecord {
-            solver: "lbfgs".into(),
-            iterations: self.iterations,
-            energy: self.objective.energy(&self.x, scales),
-            relative_gradient,
-            converged: relative_gradient <= options.relative_gradient,
-            stop: stop.words(options.relative_gradient, options.max_iterations),
-        };
-        (self.x, record)
+    /// What was found, with its record; the start if a spent budget left it higher than that.
+    fn finish(self, start: &[DVec3], stop: Stop) -> (Vec<DVec3>, SolveRecord) {
+        let scales = self.options.ramp.last().copied().unwrap_or(Scales::FULL);
+        let Self { objective, x, .. } = self;
+        let spent = stop.is_budget() && objective.energy(start, scales) < objective.energy(&x, scales);
+        let x = if spent { start.to_vec() } else { x };
+        let record = record("lbfgs", objective, &x, (stop, self.iterations), (scales, self.floor));
+        (x, record)
     }
 }
 
@@ -249,7 +256,7 @@ fn metric(objective: &Objective<'_>, scales: Scales, x: &[DVec3]) -> Result<Pref
         objective.add_blocks(x, Curvature::Convex, scales, &mut laplacian);
         match laplacian.prefactored(shift) {
             Ok(metric) => return Ok(metric),
-            Err(e) if shift > LARGEST_SHIFT => return Err(factorisation(e)),
+            Err(e) if shift > LARGEST_SHIFT => return Err(FoldError::Factorisation(format!("{e:?}"))),
             Err(_) => shift *= SHIFT_GROWTH,
         }
     }

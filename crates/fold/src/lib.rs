@@ -1,25 +1,35 @@
 //! Folding: flat mesh and goals in, equilibrium positions out.
 //!
 //! A goal is an energy `E = ½ w Σ |G|²` whose moves `G` bring its vertices to the nearest
-//! admissible place; the folded sheet minimises the sum. Three solvers share it: [`relax`] is the
-//! paper's eq. 4 as printed, [`newton`] (the default) is what one uses, [`lbfgs`] is for where memory is short.
+//! admissible place; the folded sheet minimises the sum. Solvers share it: [`relax`] is the
+//! paper's eq. 4 as printed, [`newton`] (the default) is what one uses, through a pyramid of coarser meshes by
+//! [`multilevel`], [`lbfgs`] is for where memory is short.
 //!
 //! Source: Koschitz, Foschi, Maleczek, *Algorithmic Design and Fabrication of Soft Curved-Folding*.
 
 pub mod address;
 pub mod analyse;
+mod descent;
+mod factor;
 pub mod goal;
 mod hessian;
 mod laplacian;
 pub mod lbfgs;
 mod material;
+mod motion;
+pub mod multilevel;
+#[cfg(test)]
+mod multilevel_tests;
 pub mod newton;
 mod objective;
+mod order;
 pub mod relax;
 #[cfg(test)]
 mod rest_tests;
+pub mod session;
 #[cfg(test)]
 mod solver_tests;
+mod stop;
 pub mod strength;
 #[cfg(test)]
 mod testing;
@@ -32,9 +42,12 @@ pub use goal::{
 };
 pub use lbfgs::LbfgsOptions;
 pub use material::{FREE_FACTOR, SheetMaterial};
+pub use multilevel::{Carry, Level, Pyramid, fold_multilevel};
 pub use newton::NewtonOptions;
 pub use objective::Objective;
-pub use relax::RelaxOptions;
+pub use relax::{Momentum, RelaxOptions};
+pub use session::Session;
+pub use stop::Halt;
 pub use strength::Weights;
 
 use glam::DVec3;
@@ -59,13 +72,17 @@ impl Default for Solver {
 
 /// One iteration, told to whoever watches.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Iteration {
+pub struct Iteration<'a> {
     /// Number of the iteration, from 1.
     pub number: u32,
+    /// How many meshes are still to come: 0 on the mesh asked for.
+    pub level: u32,
     /// Energy after it.
     pub energy: f64,
     /// Relative gradient after it.
     pub relative_gradient: f64,
+    /// Positions after it, on the mesh of its level.
+    pub positions: &'a [DVec3],
 }
 
 /// Why folding could not begin or go on.
@@ -106,12 +123,12 @@ pub fn fold(
     goals: &[Box<dyn Goal>],
     start: &[DVec3],
     solver: &Solver,
-    watch: &mut dyn FnMut(Iteration),
+    watch: &mut dyn FnMut(Iteration<'_>),
 ) -> Result<FoldedSheet, FoldError> {
     let objective = Objective::new(mesh.vertices.len(), goals);
     check_start(&objective, mesh, start)?;
     let (positions, solve) = match solver {
-        Solver::Newton(options) => newton::minimise(&objective, start, options, watch)?,
+        Solver::Newton(options) => newton::minimise(&objective, &mesh.vertices, start, options, watch)?,
         Solver::Lbfgs(options) => lbfgs::minimise(&objective, start, options, watch)?,
         Solver::Relax(options) => relax::minimise(&objective, start, options, watch),
     };

@@ -1,6 +1,8 @@
 //! The sum of all goals.
 
 use crate::goal::{Curvature, Goal, Gradient, HessianSink, Moves, Scales};
+#[cfg(test)]
+use crate::hessian::coupled_rows;
 use crate::hessian::{BlockSink, Hessian};
 use glam::DVec3;
 
@@ -72,15 +74,15 @@ impl<'a> Objective<'a> {
         GradientSum { sum, magnitude }
     }
 
-    /// A zero Hessian with the goals' pattern, and room for the contacts at `x` or nearly so by `margin`.
-    pub fn hessian_at(&self, x: &[DVec3], margin: f64) -> Hessian {
-        Hessian::new(self.vertices, &self.couplings_at(x, margin))
+    /// The goals' couplings wherever the vertices are.
+    pub(crate) fn couplings(&self) -> impl Iterator<Item = Vec<u32>> {
+        self.goals.iter().flat_map(|g| g.couplings())
     }
 
-    /// The goals' couplings and the contacts at `x`.
+    /// The goals' couplings and the contacts at `x`, or nearly so by `margin`.
     pub(crate) fn couplings_at(&self, x: &[DVec3], margin: f64) -> Vec<Vec<u32>> {
         let contacts = self.contacts(x, margin).into_iter().map(|pair| pair.to_vec());
-        self.goals.iter().flat_map(|g| g.couplings()).chain(contacts).collect()
+        self.couplings().chain(contacts).collect()
     }
 
     /// Number of vertices.
@@ -125,7 +127,8 @@ impl<'a> Objective<'a> {
 
     #[cfg(test)]
     pub(crate) fn hessian(&self, x: &[DVec3], curvature: Curvature, scales: Scales) -> Hessian {
-        let mut matrix = self.hessian_at(x, 0.0);
+        let rows = coupled_rows(self.vertices, &self.couplings_at(x, 0.0));
+        let mut matrix = Hessian::new(&rows, (0..self.vertices as u32).collect());
         self.fill_hessian(x, curvature, scales, &mut matrix);
         matrix
     }

@@ -1,90 +1,118 @@
-//! The paper's eq. 4 as printed: `P ← P + Σ w G / Σ w`, optionally with Kangaroo-like momentum.
+//! The paper's eq. 4 as printed: `P ← P + Σ w G / Σ w`, optionally with momentum.
 
 use crate::Iteration;
 use crate::goal::Scales;
 use crate::objective::Objective;
+use crate::stop::{Halt, Stop, record};
 use glam::DVec3;
 use softfold_geometry::SolveRecord;
+
+/// What carries points on from one move to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Momentum {
+    /// Share of the last motion that goes on (0: eq. 4 alone); it is dropped when it goes against the moves,
+    /// as Kangaroo does.
+    Share(f64),
+    /// A share that grows with the steps since it was last dropped (Nesterov 1983), which happens when it goes against
+    /// the motion (O'Donoghue & Candès 2015, gradient scheme).
+    Nesterov,
+}
 
 /// Options of eq. 4.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RelaxOptions {
-    /// Share of the last motion that goes on (0: eq. 4 alone); it is dropped when it goes against the moves,
-    /// as Kangaroo does.
-    pub momentum: f64,
+    /// What carries points on.
+    pub momentum: Momentum,
     /// Stop when the relative gradient is below this.
     pub relative_gradient: f64,
     /// Most iterations.
     pub max_iterations: u32,
+    /// Ends it from outside.
+    pub halt: Halt,
 }
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        Self { momentum: 0.99, relative_gradient: 1e-6, max_iterations: 50_000 }
+        Self {
+            momentum: Momentum::Share(0.99),
+            relative_gradient: 1e-6,
+            max_iterations: 50_000,
+            halt: Halt::default(),
+        }
     }
 }
 
 /// Iterations between two looks at the gradient: it costs as much as a step.
 const LOOK_EVERY: u32 = 50;
 
+/// Points on their way.
+struct Moving {
+    x: Vec<DVec3>,
+    velocity: Vec<DVec3>,
+    /// Nesterov's weight; 1 after momentum was dropped.
+    weight: f64,
+}
+
 /// Minimises the objective from `start`.
 pub fn minimise(
     objective: &Objective<'_>,
     start: &[DVec3],
     options: &RelaxOptions,
-    watch: &mut dyn FnMut(Iteration),
+    watch: &mut dyn FnMut(Iteration<'_>),
 ) -> (Vec<DVec3>, SolveRecord) {
-    let mut x = start.to_vec();
-    let mut velocity = vec![DVec3::ZERO; x.len()];
+    let mut moving = Moving { x: start.to_vec(), velocity: vec![DVec3::ZERO; start.len()], weight: 1.0 };
     let mut number = 0;
     let floor = objective.force_floor(start);
-    let mut relative_gradient = objective.gradient(&x, Scales::FULL).relative(floor);
-    while relative_gradient > options.relative_gradient && number < options.max_iterations {
-        step(objective, options.momentum, &mut x, &mut velocity);
+    let mut relative_gradient = objective.gradient(&moving.x, Scales::FULL).relative(floor);
+    let stop = loop {
+        if relative_gradient <= options.relative_gradient {
+            break Stop::Gradient(options.relative_gradient);
+        }
+        if number >= options.max_iterations {
+            break Stop::Iterations(options.max_iterations);
+        }
+        if options.halt.is_set() {
+            break Stop::Halted;
+        }
+        moving.step(objective, options.momentum);
         number += 1;
         if number % LOOK_EVERY == 0 || number == options.max_iterations {
-            relative_gradient = objective.gradient(&x, Scales::FULL).relative(floor);
-            watch(Iteration { number, energy: objective.energy(&x, Scales::FULL), relative_gradient });
+            let (energy, positions) = (objective.energy(&moving.x, Scales::FULL), &moving.x);
+            relative_gradient = objective.gradient(positions, Scales::FULL).relative(floor);
+            watch(Iteration { number, level: 0, energy, relative_gradient, positions });
         }
-    }
-    let record = record(objective, &x, number, relative_gradient, options);
-    (x, record)
-}
-
-fn step(objective: &Objective<'_>, momentum: f64, x: &mut [DVec3], velocity: &mut [DVec3]) {
-    // Moves are taken where momentum has carried the points.
-    for (x, v) in x.iter_mut().zip(velocity.iter_mut()) {
-        *v *= momentum;
-        *x += *v;
-    }
-    let (weighted, weights) = objective.moves(x);
-    let moves: Vec<DVec3> =
-        weighted.iter().zip(&weights).map(|(g, w)| if *w > 0.0 { *g / *w } else { DVec3::ZERO }).collect();
-    let against: f64 = moves.iter().zip(velocity.iter()).map(|(m, v)| m.dot(*v)).sum();
-    for ((x, v), m) in x.iter_mut().zip(velocity.iter_mut()).zip(moves) {
-        *x += m;
-        *v = if against < 0.0 { DVec3::ZERO } else { *v + m };
-    }
-}
-
-fn record(
-    objective: &Objective<'_>,
-    x: &[DVec3],
-    iterations: u32,
-    relative_gradient: f64,
-    options: &RelaxOptions,
-) -> SolveRecord {
-    let converged = relative_gradient <= options.relative_gradient;
-    let stop = match converged {
-        true => format!("relative gradient below {:e}", options.relative_gradient),
-        false => format!("budget of {} iterations spent", options.max_iterations),
     };
-    SolveRecord {
-        solver: "relax".into(),
-        iterations,
-        energy: objective.energy(x, Scales::FULL),
-        relative_gradient,
-        converged,
-        stop,
+    let record = record("relax", objective, &moving.x, (stop, number), (Scales::FULL, floor));
+    (moving.x, record)
+}
+
+impl Moving {
+    fn step(&mut self, objective: &Objective<'_>, momentum: Momentum) {
+        let next = 0.5 * (1.0 + (1.0 + 4.0 * self.weight * self.weight).sqrt());
+        let share = match momentum {
+            Momentum::Share(share) => share,
+            Momentum::Nesterov => (self.weight - 1.0) / next,
+        };
+        // Moves are taken where momentum has carried the points.
+        for (x, v) in self.x.iter_mut().zip(self.velocity.iter_mut()) {
+            *v *= share;
+            *x += *v;
+        }
+        let (weighted, weights) = objective.moves(&self.x);
+        let moves: Vec<DVec3> = weighted
+            .iter()
+            .zip(&weights)
+            .map(|(g, w)| if *w > 0.0 { *g / *w } else { DVec3::ZERO })
+            .collect();
+        let motion = |m: DVec3, v: DVec3| match momentum {
+            Momentum::Share(_) => v,
+            Momentum::Nesterov => v + m,
+        };
+        let against: f64 = moves.iter().zip(&self.velocity).map(|(m, v)| m.dot(motion(*m, *v))).sum();
+        for ((x, v), m) in self.x.iter_mut().zip(self.velocity.iter_mut()).zip(moves) {
+            *x += m;
+            *v = if against < 0.0 { DVec3::ZERO } else { *v + m };
+        }
+        self.weight = if against < 0.0 { 1.0 } else { next };
     }
 }

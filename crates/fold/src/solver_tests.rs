@@ -2,7 +2,9 @@
 
 use crate::goal::{Anchor, ClampLength, Goal, OnPlane};
 use crate::testing::folded_strip;
-use crate::{LbfgsOptions, NewtonOptions, RelaxOptions, SheetMaterial, SheetPoint, Solver, fold, upright};
+use crate::{
+    LbfgsOptions, Momentum, NewtonOptions, RelaxOptions, SheetMaterial, SheetPoint, Solver, fold, upright,
+};
 use glam::DVec3;
 use softfold_geometry::{EdgeClass, FlatMesh, FoldedSheet};
 
@@ -104,8 +106,11 @@ fn newton_and_eq_4_end_at_the_same_energy() {
     let newton = run(&mesh, &goals, &start, &Solver::default()).solve;
     assert!(newton.converged, "{newton:?}");
     // Without momentum the last digits of the gradient take hundreds of thousands of steps; the energy is there before.
-    for (momentum, relative_gradient) in [(0.0, 5e-5), (0.95, 1e-6)] {
-        let options = RelaxOptions { momentum, relative_gradient, max_iterations: 400_000 };
+    for (momentum, relative_gradient) in
+        [(Momentum::Share(0.0), 5e-5), (Momentum::Share(0.95), 1e-6), (Momentum::Nesterov, 1e-6)]
+    {
+        let options =
+            RelaxOptions { momentum, relative_gradient, max_iterations: 400_000, ..RelaxOptions::default() };
         let relax = run(&mesh, &goals, &start, &Solver::Relax(options)).solve;
         assert!(relax.converged, "{relax:?}");
         let difference = (newton.energy - relax.energy).abs() / newton.energy;

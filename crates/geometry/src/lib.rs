@@ -26,7 +26,7 @@ pub use id::{CreaseId, EdgeId, LoopId, TriangleId, VertexId};
 pub use mesh::{Edge, EdgeClass, FlatMesh, Site};
 pub use pattern::{Crease, CreaseEnd, CreasePattern, Junction, Role, Source};
 pub use pose::RigidTransform;
-pub use sheet::{Extreme, FoldedSheet, SolveRecord};
+pub use sheet::{Extreme, FoldedSheet, LevelRecord, SolveRecord};
 pub use soft::{Band, FoldLine, JunctionRegion, LineEnd, OutlinePoint, SoftPattern, Softness};
 pub use solid::TriMesh;
 pub use surface::{Deviation, SheetSurface, SurfacePoint, UniformBicubic};

@@ -12,6 +12,19 @@ pub struct Extreme {
     pub at: DVec2,
 }
 
+/// What one mesh of a solve took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LevelRecord {
+    /// Vertices of the mesh.
+    pub vertices: u32,
+    /// Iterations on it.
+    pub iterations: u32,
+    /// Numeric factorisations of its matrix.
+    pub factorisations: u32,
+    /// Energy when it was left (N·mm up to the scale of the weights).
+    pub energy: f64,
+}
+
 /// How a solver ended; no clock here, the pipeline measures time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolveRecord {
@@ -19,6 +32,10 @@ pub struct SolveRecord {
     pub solver: String,
     /// Iterations in all.
     pub iterations: u32,
+    /// Numeric factorisations of the mesh's own matrix; 0 for solvers that have none.
+    pub factorisations: u32,
+    /// The meshes of a multilevel solve from the coarsest to the sheet's own; empty for solvers that know one mesh only.
+    pub levels: Vec<LevelRecord>,
     /// Energy at the end (N·mm up to the scale of the weights).
     pub energy: f64,
     /// Gradient norm over the norm of the sum of its terms' magnitudes.

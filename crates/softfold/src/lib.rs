@@ -13,6 +13,7 @@ pub mod patterns;
 pub mod pictures;
 pub mod progress;
 pub mod project;
+pub mod pyramid;
 pub mod record;
 pub mod report;
 mod softness;

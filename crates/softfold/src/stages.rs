@@ -4,8 +4,10 @@ use crate::goals::goals;
 use crate::progress::Progress;
 use crate::project::line_of;
 use crate::project::{self, Project};
-use crate::{RunError, patterns, softness};
-use softfold_fold::{Goal, Iteration, LbfgsOptions, NewtonOptions, RelaxOptions, Solver, Verdict};
+use crate::{RunError, patterns, pyramid, softness};
+use softfold_fold::{
+    Goal, Halt, Iteration, LbfgsOptions, Momentum, NewtonOptions, Pyramid, RelaxOptions, Solver, Verdict,
+};
 use softfold_geometry::{CreasePattern, DVec3, FoldedSheet, Issue, SoftPattern};
 use softfold_kernel::{MeshBuffers, MeshView, cgal, occt};
 use softfold_mesh::{Backend, Crosscheck, MeshError, MeshOptions, Meshed, Quality};
@@ -313,17 +315,8 @@ fn soften_fault(loaded: &Loaded, error: &SoftenError) -> RunError {
 }
 
 fn mesh(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
-    let wanted = &loaded.project.mesh;
-    let backend = match wanted.backend {
-        project::Backend::Spade => Backend::Spade,
-        project::Backend::Cgal => Backend::Cgal,
-    };
-    let options = MeshOptions {
-        target_edge_mm: wanted.target_edge_mm,
-        seed: wanted.seed,
-        backend,
-        ..MeshOptions::default()
-    };
+    let options = mesh_options(loaded);
+    let backend = options.backend;
     let meshed =
         softfold_mesh::mesh(made(results.soft.as_ref())?, &options).map_err(|e| mesh_fault(loaded, &e))?;
     progress.advance(Some(0.8), "spade against CGAL");
@@ -333,6 +326,21 @@ fn mesh(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> 
         format!("{} vertices, smallest angle {:.0}°", meshed.mesh.vertices.len(), quality.min_angle_deg);
     results.mesh = Some(MeshResult { meshed, quality, crosscheck, backend });
     Ok(word)
+}
+
+/// What the project asks of the mesh.
+pub(crate) fn mesh_options(loaded: &Loaded) -> MeshOptions {
+    let wanted = &loaded.project.mesh;
+    let backend = match wanted.backend {
+        project::Backend::Spade => Backend::Spade,
+        project::Backend::Cgal => Backend::Cgal,
+    };
+    MeshOptions {
+        target_edge_mm: wanted.target_edge_mm,
+        seed: wanted.seed,
+        backend,
+        ..MeshOptions::default()
+    }
 }
 
 fn mesh_fault(loaded: &Loaded, error: &MeshError) -> RunError {
@@ -350,17 +358,31 @@ fn mesh_fault(loaded: &Loaded, error: &MeshError) -> RunError {
 
 fn fold(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
     let mesh = &made(results.mesh.as_ref())?.meshed.mesh;
-    let goals = goals(loaded, mesh, &made(results.pattern.as_ref())?.outline)?;
+    let pattern = made(results.pattern.as_ref())?;
+    let goals = goals(loaded, mesh, &pattern.outline)?;
     let start = match loaded.project.fold.start {
         project::Start::Upright => softfold_fold::upright(mesh),
         project::Start::Flat => mesh.vertices.iter().map(|p| p.extend(0.0)).collect(),
     };
-    let mut watch = |i: Iteration| {
-        progress
-            .advance(None, &format!("iteration {}, relative gradient {:.0e}", i.number, i.relative_gradient));
+    let halt = Halt::default();
+    let began = Instant::now();
+    let most_s = loaded.project.fold.max_seconds.unwrap_or(f64::INFINITY);
+    let mut watch = |i: Iteration<'_>| {
+        let word = format!("iteration {}, relative gradient {:.0e}", i.number, i.relative_gradient);
+        progress.advance(None, &word);
+        if began.elapsed().as_secs_f64() > most_s {
+            halt.set();
+        }
     };
-    let sheet = softfold_fold::fold(mesh, &goals, &start, &solver(&loaded.project.fold), &mut watch)
-        .map_err(|e| loaded.fault("fold", "solver", e))?;
+    let sheet = match solver(&loaded.project.fold, &halt) {
+        Solver::Newton(options) => {
+            let levels = pyramid::levels(loaded, pattern, mesh.vertices.len());
+            let pyramid = Pyramid { levels: &levels, carry: &softfold_mesh::transfer_smooth };
+            softfold_fold::fold_multilevel(&pyramid, mesh, &goals, &start, &options, &mut watch)
+        }
+        other => softfold_fold::fold(mesh, &goals, &start, &other, &mut watch),
+    }
+    .map_err(|e| loaded.fault("fold", "solver", e))?;
     sheet.check().map_err(defect)?;
     let word = format!("{} iterations, {}", sheet.solve.iterations, sheet.solve.stop);
     let goals = goals.iter().map(|g| figure(g.as_ref(), &sheet)).collect();
@@ -378,15 +400,16 @@ fn figure(goal: &dyn Goal, sheet: &FoldedSheet) -> GoalFigure {
     }
 }
 
-fn solver(fold: &project::Fold) -> Solver {
+fn solver(fold: &project::Fold, halt: &Halt) -> Solver {
+    let halt = halt.clone();
     match fold.solver {
         project::Solver::Newton => {
-            let d = NewtonOptions::default();
-            let relative_gradient = fold.relative_gradient.unwrap_or(d.relative_gradient);
+            let usual = NewtonOptions::default();
             Solver::Newton(NewtonOptions {
-                relative_gradient,
-                max_iterations: fold.max_iterations.unwrap_or(d.max_iterations),
-                ..d
+                relative_gradient: fold.relative_gradient.unwrap_or(usual.relative_gradient),
+                max_iterations: fold.max_iterations.unwrap_or(usual.max_iterations),
+                halt,
+                ..usual
             })
         }
         project::Solver::Lbfgs => {
@@ -394,17 +417,17 @@ fn solver(fold: &project::Fold) -> Solver {
             Solver::Lbfgs(LbfgsOptions {
                 relative_gradient: fold.relative_gradient.unwrap_or(usual.relative_gradient),
                 max_iterations: fold.max_iterations.unwrap_or(usual.max_iterations),
+                halt,
                 ..usual
             })
         }
         project::Solver::Relax => {
-            let d = RelaxOptions::default();
-            let relative_gradient = fold.relative_gradient.unwrap_or(d.relative_gradient);
-            let momentum = fold.momentum.unwrap_or(d.momentum);
+            let usual = RelaxOptions::default();
             Solver::Relax(RelaxOptions {
-                momentum,
-                relative_gradient,
-                max_iterations: fold.max_iterations.unwrap_or(d.max_iterations),
+                momentum: fold.momentum.map_or(usual.momentum, Momentum::Share),
+                relative_gradient: fold.relative_gradient.unwrap_or(usual.relative_gradient),
+                max_iterations: fold.max_iterations.unwrap_or(usual.max_iterations),
+                halt,
             })
         }
     }

@@ -40,6 +40,8 @@ pub struct Fold {
     pub relative_gradient: Option<f64>,
     /// Most iterations.
     pub max_iterations: Option<u32>,
+    /// Most seconds; the best state until then is kept.
+    pub max_seconds: Option<f64>,
     /// Momentum of eq. 4, from 0 (as printed) to below 1.
     pub momentum: Option<f64>,
     /// `[[fold.anchors]]`
@@ -274,6 +276,7 @@ impl Fold {
         let mut all: Vec<Number> = [
             n("relative_gradient", self.relative_gradient, Range::Share),
             n("momentum", self.momentum, Range::Share),
+            n("max_seconds", self.max_seconds, Range::Positive),
             n("area_stiffness", self.area_stiffness, Range::NotNegative),
         ]
         .into_iter()

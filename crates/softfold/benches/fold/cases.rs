@@ -1,0 +1,172 @@
+//! What is folded: the arc, the S and the sculpture, each on meshes of several sizes of the same sheet.
+
+use softfold_fold::{Goal, Level, SheetMaterial, upright};
+use softfold_geometry::{Crease, CreaseId, CreasePattern, DVec2, DVec3, FlatMesh, PlanarCurve, Role, Source};
+use softfold_mesh::{MeshOptions, mesh};
+use softfold_soften::{Along, CreaseSoftness, Segments, soften};
+use std::f64::consts::{PI, TAU};
+
+/// Vertices with the strips per band that go with them.
+pub(crate) const SIZES: [(usize, u32); 5] = [(500, 3), (2_000, 4), (10_000, 6), (50_000, 12), (200_000, 16)];
+/// Vertices may differ from the number asked for by this share.
+const NEAR: f64 = 0.03;
+/// Looks for the edge length that gives the number of vertices.
+const TRIES: u32 = 12;
+/// Points by which curves are given.
+const POINTS: usize = 400;
+
+/// A sheet to fold: its own mesh, and coarser ones.
+pub(crate) struct Case {
+    pub(crate) name: String,
+    pub(crate) coarse: Vec<Level>,
+    pub(crate) mesh: FlatMesh,
+    pub(crate) goals: Vec<Box<dyn Goal>>,
+    pub(crate) start: Vec<DVec3>,
+    /// What its own goals come from, where that is all.
+    pub(crate) elastic: Option<SheetMaterial>,
+}
+
+/// A drawn sheet with its softness: radius in mm, fold angles in degrees.
+pub(crate) struct Sheet {
+    pub(crate) name: &'static str,
+    outline: PlanarCurve,
+    creases: Vec<(PlanarCurve, f64)>,
+    radius_mm: f64,
+    area_mm2: f64,
+}
+
+fn curve(point: impl Fn(f64) -> DVec2) -> PlanarCurve {
+    let points: Vec<DVec2> = (0..=POINTS).map(|k| point(k as f64 / POINTS as f64)).collect();
+    PlanarCurve::polyline(&points).expect("a curve")
+}
+
+impl Sheet {
+    /// A square of 1600 mm with a crease of radius 1000 mm about a point 1100 mm below its middle, folded by 90°.
+    pub(crate) fn arc() -> Self {
+        let corners = [(-800., -800.), (800., -800.), (800., 800.), (-800., 800.), (-800., -800.)];
+        let outline = PlanarCurve::polyline(&corners.map(DVec2::from)).expect("a square");
+        let half = (800.0_f64 / 1000.0).asin();
+        let arc = |t: f64| {
+            let x = match t {
+                0.0 => -800.0,
+                1.0 => 800.0,
+                _ => 1000.0 * (half * (2.0 * t - 1.0)).sin(),
+            };
+            DVec2::new(x, (1e6 - x * x).sqrt() - 1100.0)
+        };
+        let creases = vec![(curve(arc), 90.0)];
+        Self { name: "arc", outline, creases, radius_mm: 50.0, area_mm2: 1600.0 * 1600.0 }
+    }
+
+    /// An ellipse of 800 × 650 mm with two creases y = ±220 + 100 sin(0.9 π x / 800) mm, folded by 70° and −70°.
+    pub(crate) fn s() -> Self {
+        let outline = curve(|t| match t {
+            1.0 => DVec2::new(800.0, 0.0),
+            _ => DVec2::new(800.0 * (TAU * t).cos(), 650.0 * (TAU * t).sin()),
+        });
+        let y = |x: f64, offset: f64| offset + 100.0 * (0.9 * PI * x / 800.0).sin();
+        let inside = |x: f64, offset: f64| (x / 800.0).powi(2) + (y(x, offset) / 650.0).powi(2) < 1.0;
+        let crease = |offset: f64| {
+            let [left, right] = [-1.0, 1.0].map(|side| {
+                let (mut low, mut high) = (0.0, 800.0);
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    if inside(side * middle, offset) { low = middle } else { high = middle }
+                }
+                side * low
+            });
+            // The ends lie on the chords that stand for the ellipse.
+            let on_outline = |p: DVec2| outline.point(outline.nearest(p).0);
+            curve(|t| {
+                let x = left + t * (right - left);
+                let p = DVec2::new(x, y(x, offset));
+                if t == 0.0 || t == 1.0 { on_outline(p) } else { p }
+            })
+        };
+        let creases = vec![(crease(220.0), 70.0), (crease(-220.0), -70.0)];
+        Self { name: "S", outline, creases, radius_mm: 40.0, area_mm2: PI * 800.0 * 650.0 }
+    }
+
+    /// Its mesh of about so many vertices, bands in so many strips.
+    fn mesh(&self, vertices: usize, segments: u32) -> FlatMesh {
+        let crease = |(i, (curve, angle_deg)): (usize, &(PlanarCurve, f64))| Crease {
+            id: CreaseId::new(i),
+            name: format!("crease-{i}"),
+            role: if *angle_deg > 0.0 { Role::Valley } else { Role::Mountain },
+            curve: curve.clone(),
+            fold_angle_rad: Some(angle_deg.to_radians()),
+            source: Source::default(),
+        };
+        let pattern = CreasePattern {
+            name: self.name.to_owned(),
+            outline: self.outline.clone(),
+            holes: Vec::new(),
+            slits: Vec::new(),
+            creases: self.creases.iter().enumerate().map(crease).collect(),
+        };
+        let softness: Vec<CreaseSoftness> = self
+            .creases
+            .iter()
+            .map(|(_, angle_deg)| CreaseSoftness {
+                radius_mm: Along::Constant(self.radius_mm),
+                fold_angle_rad: Along::Constant(angle_deg.to_radians()),
+                segments: Segments::Count(segments),
+            })
+            .collect();
+        let soft = soften(&pattern, &softness).expect("bands");
+        let mut target_edge_mm = (self.area_mm2 / vertices as f64 * 2.0 / 3f64.sqrt()).sqrt();
+        for _ in 0..TRIES {
+            let options = MeshOptions { target_edge_mm, ..MeshOptions::default() };
+            let made = mesh(&soft, &options).expect("a mesh").mesh;
+            let ratio = made.vertices.len() as f64 / vertices as f64;
+            if (ratio - 1.0).abs() < NEAR {
+                return made;
+            }
+            target_edge_mm *= ratio.sqrt();
+        }
+        panic!("no mesh of {} has about {vertices} vertices", self.name);
+    }
+
+    /// The sheet on a mesh of `SIZES[size]`, with all smaller ones.
+    pub(crate) fn case(&self, size: usize) -> Case {
+        let level = |&(vertices, segments): &(usize, u32)| {
+            let mesh = self.mesh(vertices, segments);
+            Level { goals: elastic().goals(&mesh), mesh }
+        };
+        let coarse = SIZES[..size].iter().map(level).collect();
+        let Level { mesh, goals } = level(&SIZES[size]);
+        let start = mesh.vertices.iter().map(|p| p.extend(0.0)).collect();
+        Case {
+            name: format!("{} {}", self.name, SIZES[size].0),
+            coarse,
+            mesh,
+            goals,
+            start,
+            elastic: Some(elastic()),
+        }
+    }
+}
+
+/// 10 mm thick, Poisson's ratio 0.3, fold lines ten times as stiff; Young's modulus only scales the energy.
+fn elastic() -> SheetMaterial {
+    SheetMaterial {
+        youngs_modulus_mpa: 1000.0,
+        poisson_ratio: 0.3,
+        thickness_mm: 10.0,
+        fold_line_factor: 10.0,
+    }
+}
+
+/// The demonstration: the mesh, goals and pyramid that `softfold run` has.
+pub(crate) fn sculpture() -> Case {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/sculpture/project.toml");
+    let loaded = softfold::Loaded::read(path.as_ref()).expect("the project");
+    let results =
+        softfold::run(&loaded, softfold::Stage::Mesh, &mut softfold::progress::Quiet).expect("a mesh");
+    let pattern = results.pattern.expect("a pattern");
+    let mesh = results.mesh.expect("a mesh").meshed.mesh;
+    let goals = softfold::goals::goals(&loaded, &mesh, &pattern.outline).expect("goals");
+    let coarse = softfold::pyramid::levels(&loaded, &pattern, mesh.vertices.len());
+    let start = upright(&mesh);
+    Case { name: "sculpture".to_owned(), coarse, mesh, goals, start, elastic: None }
+}
