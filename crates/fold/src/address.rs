@@ -1,7 +1,9 @@
-//! Points of the sheet by (u, v) or by place on the outline, never by vertex number.
+//! Points of the sheet by (u, v), by arc length along a crease or the outline, or by region; never by vertex number.
 
 use glam::{DVec2, DVec3};
-use softfold_geometry::{FlatMesh, LoopId, Site, TriangleId, VertexId, polygon};
+use softfold_geometry::{
+    Crease, CreasePattern, FlatMesh, LoopId, PlanarCurve, Site, TriangleId, VertexId, polygon,
+};
 
 /// A point of the sheet: corners of a triangle with barycentric weights that add up to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +23,108 @@ pub enum AddressError {
         /// Its distance from the nearest triangle, mm.
         distance_mm: f64,
     },
+    /// The pattern has no crease of this name.
+    #[error("the pattern has no crease '{name}'; it has {known}")]
+    NoCrease {
+        /// The name.
+        name: String,
+        /// Names that it has.
+        known: String,
+    },
+    /// The arc length is beyond the curve's end.
+    #[error(
+        "{at_mm} mm along {what} is beyond its end: it is {length_mm:.3} mm long; give 0 to that, or `share`"
+    )]
+    Beyond {
+        /// Which curve.
+        what: String,
+        /// The arc length, mm.
+        at_mm: f64,
+        /// The curve's length, mm.
+        length_mm: f64,
+    },
+    /// No vertex lies in the region.
+    #[error("no vertex of the mesh lies in the region around ({:.3}, {:.3}) mm; make it larger or the mesh finer", around.x, around.y)]
+    Empty {
+        /// Mean of its corners, (u, v).
+        around: DVec2,
+    },
 }
+
+/// How far along a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AlongCurve {
+    /// Arc length from its start, mm.
+    Length(f64),
+    /// Share of its length, 0 to 1.
+    Share(f64),
+}
+
+impl AlongCurve {
+    fn on(self, curve: &PlanarCurve, what: impl Fn() -> String) -> Result<DVec2, AddressError> {
+        let length_mm = curve.length_mm();
+        match self {
+            AlongCurve::Share(share) => Ok(curve.point(share * length_mm)),
+            // A length that was read off a drawing may be rounded up.
+            AlongCurve::Length(at_mm) if at_mm <= length_mm * (1.0 + REACH) => {
+                Ok(curve.point(at_mm.min(length_mm)))
+            }
+            AlongCurve::Length(at_mm) => Err(AddressError::Beyond { what: what(), at_mm, length_mm }),
+        }
+    }
+}
+
+/// Most names that a message lists.
+const LISTED: usize = 12;
+
+/// The place (u, v) on a crease as it is drawn, at an arc length or share from its start.
+///
+/// # Errors
+/// [`AddressError::NoCrease`], [`AddressError::Beyond`].
+pub fn on_crease(pattern: &CreasePattern, name: &str, at: AlongCurve) -> Result<DVec2, AddressError> {
+    let Some(crease) = pattern.creases.iter().find(|c| c.name == name) else {
+        return Err(AddressError::NoCrease { name: name.to_owned(), known: listed(&pattern.creases) });
+    };
+    at.on(&crease.curve, || format!("the crease '{name}'"))
+}
+
+/// The first names of creases, and how many more there are: for messages.
+pub fn listed(creases: &[Crease]) -> String {
+    let names: Vec<&str> = creases.iter().take(LISTED).map(|c| c.name.as_str()).collect();
+    match creases.len().saturating_sub(LISTED) {
+        0 if names.is_empty() => "none".to_owned(),
+        0 => names.join(", "),
+        more => format!("{} and {more} more", names.join(", ")),
+    }
+}
+
+/// The place (u, v) on the outline.
+///
+/// # Errors
+/// [`AddressError::Beyond`].
+pub fn on_outline(pattern: &CreasePattern, at: AlongCurve) -> Result<DVec2, AddressError> {
+    at.on(&pattern.outline, || "the outline".to_owned())
+}
+
+/// The vertices in a polygon of the flat sheet, its border included.
+///
+/// # Errors
+/// [`AddressError::Empty`] if there are none.
+pub fn in_region(mesh: &FlatMesh, corners: &[DVec2]) -> Result<Vec<VertexId>, AddressError> {
+    let (lo, hi) = polygon::bounds(&mesh.vertices);
+    let near_mm = BORDER * (hi - lo).max_element();
+    let inside = |p: DVec2| {
+        polygon::contains(corners, p)
+            || polygon::edges(corners).any(|(a, b)| polygon::segment_distance(p, a, b) <= near_mm)
+    };
+    let found: Vec<VertexId> =
+        (0..mesh.vertices.len()).map(VertexId::new).filter(|v| inside(mesh.vertices[v.index()])).collect();
+    let around = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
+    if found.is_empty() { Err(AddressError::Empty { around }) } else { Ok(found) }
+}
+
+/// Vertices this near to a region's border are in it: rounding. Share of the sheet's size.
+const BORDER: f64 = 1e-9;
 
 impl SheetPoint {
     /// A point from its corners and weights.
@@ -121,6 +224,49 @@ mod tests {
             assert!(locate(&mesh, at).unwrap().position(&x).truncate().distance(at) < 1e-9);
         }
         assert!(matches!(locate(&mesh, DVec2::new(80.0, 0.0)), Err(AddressError::Outside { .. })));
+    }
+
+    fn pattern() -> CreasePattern {
+        let corners = [(0., 0.), (50., 0.), (50., 40.), (0., 40.), (0., 0.)].map(DVec2::from);
+        let line = PlanarCurve::polyline(&[DVec2::new(20.0, 0.0), DVec2::new(20.0, 40.0)]).unwrap();
+        CreasePattern {
+            name: "p".into(),
+            outline: PlanarCurve::polyline(&corners).unwrap(),
+            holes: Vec::new(),
+            slits: Vec::new(),
+            creases: vec![Crease {
+                id: softfold_geometry::CreaseId(0),
+                name: "ridge".into(),
+                curve: line,
+                role: softfold_geometry::Role::Valley,
+                fold_angle_rad: None,
+                source: softfold_geometry::Source::default(),
+            }],
+        }
+    }
+
+    #[test]
+    fn arc_lengths_and_shares_name_places_on_creases_and_the_outline() {
+        let p = pattern();
+        let at = DVec2::new(20.0, 30.0);
+        assert!(on_crease(&p, "ridge", AlongCurve::Length(30.0)).unwrap().distance(at) < 1e-9);
+        assert!(on_crease(&p, "ridge", AlongCurve::Share(0.75)).unwrap().distance(at) < 1e-9);
+        let corner = on_outline(&p, AlongCurve::Share(0.5)).unwrap();
+        assert!(corner.distance(DVec2::new(50.0, 40.0)) < 1e-9);
+        let fault = on_crease(&p, "rim", AlongCurve::Share(0.5)).unwrap_err();
+        assert_eq!(fault.to_string(), "the pattern has no crease 'rim'; it has ridge");
+        let fault = on_crease(&p, "ridge", AlongCurve::Length(41.0)).unwrap_err().to_string();
+        assert!(fault.contains("the crease 'ridge'") && fault.contains("40.000 mm long"), "{fault}");
+        assert!(on_outline(&p, AlongCurve::Length(181.0)).is_err());
+    }
+
+    #[test]
+    fn a_region_has_its_border() {
+        let mesh = strip(5, 4, 10.0);
+        let square = |x0: f64, x1: f64| [(x0, 0.), (x1, 0.), (x1, 20.), (x0, 20.)].map(DVec2::from);
+        assert_eq!(in_region(&mesh, &square(10.0, 30.0)).unwrap().len(), 9);
+        assert_eq!(in_region(&mesh, &square(12.0, 28.0)).unwrap().len(), 3);
+        assert!(matches!(in_region(&mesh, &square(12.0, 13.0)), Err(AddressError::Empty { .. })));
     }
 
     #[test]

@@ -121,6 +121,9 @@ pub(crate) struct Descent<'a> {
     shift: f64,
 }
 
+/// A step that something is in the way of is shortened to no less than this share at a time.
+const LEAST_FREE: f64 = 0.1;
+
 /// A step that was made.
 struct Step {
     /// Largest motion of a vertex by the whole direction, mm.
@@ -307,6 +310,13 @@ impl<'a> Descent<'a> {
         let mut length = 1.0;
         for _ in 0..MAX_HALVINGS {
             let trial = motion.at(length);
+            // The way there may be curved; what counts is that the sheet can go there straight without passing through.
+            let way: Vec<DVec3> = trial.iter().zip(&self.x).map(|(to, from)| *to - *from).collect();
+            let free = self.objective.largest_step(&self.x, &way);
+            if free < 1.0 {
+                length *= free.max(LEAST_FREE);
+                continue;
+            }
             let energy = self.objective.energy(&trial, scales);
             // Near the solution the decrease drowns in the energy's rounding.
             let rounding = 4.0 * f64::EPSILON * before.abs();

@@ -213,7 +213,7 @@ impl<'a> Stage<'a> {
         let before = self.objective.energy(x, self.scales);
         // Near the solution the decrease drowns in the energy's rounding.
         let rounding = 4.0 * f64::EPSILON * before.abs();
-        let (mut low, mut high, mut length) = (0.0, f64::INFINITY, 1.0);
+        let (mut low, mut high, mut length) = (0.0, f64::INFINITY, self.admissible(x, direction, 1.0));
         let mut best = None;
         for _ in 0..MAX_TRIALS {
             let trial: Vec<DVec3> = x.iter().zip(direction).map(|(x, d)| *x + length * *d).collect();
@@ -229,9 +229,19 @@ impl<'a> Stage<'a> {
             } else {
                 high = length;
             }
-            length = if high.is_finite() { 0.5 * (low + high) } else { 2.0 * length };
+            let wanted = if high.is_finite() { 0.5 * (low + high) } else { 2.0 * length };
+            length = if high.is_finite() { wanted } else { self.admissible(x, direction, wanted) };
+            if length < wanted {
+                break; // a barrier is on the way, and what is before it will do
+            }
         }
         best
+    }
+
+    /// The step length that is wanted, or the largest below it that no barrier forbids.
+    fn admissible(&self, x: &[DVec3], direction: &[DVec3], wanted: f64) -> f64 {
+        let step: Vec<DVec3> = direction.iter().map(|d| wanted * *d).collect();
+        wanted * self.objective.largest_step(x, &step)
     }
 
     fn learn(&mut self, x: &[DVec3], gradient: &[DVec3], reached: &Reached) {

@@ -9,6 +9,8 @@
 
 pub mod address;
 pub mod analyse;
+#[cfg(test)]
+mod collide_tests;
 mod descent;
 mod factor;
 pub mod goal;
@@ -26,6 +28,7 @@ mod order;
 pub mod relax;
 #[cfg(test)]
 mod rest_tests;
+pub mod schedule;
 pub mod session;
 #[cfg(test)]
 mod solver_tests;
@@ -34,11 +37,14 @@ pub mod strength;
 #[cfg(test)]
 mod testing;
 
-pub use address::{AddressError, SheetPoint, boundary_vertices, locate};
+pub use address::{
+    AddressError, AlongCurve, SheetPoint, boundary_vertices, in_region, locate, on_crease, on_outline,
+};
 pub use analyse::{Verdict, analyse};
 pub use goal::{
-    Anchor, Area, ClampLength, CoPlanar, EARTH_GRAVITY, EdgeLengths, Floor, Glue, Goal, Hinges, Load,
-    OnCurve, OnMesh, OnPlane, Part, Scales, SpaceCurve, SphereCollide, TargetError, TriangleMesh,
+    Anchor, Area, ClampLength, Clearance, CoPlanar, EARTH_GRAVITY, EdgeLengths, Floor, Glue, Goal, Hinges,
+    Load, OnCurve, OnMesh, OnPlane, Part, Scales, SelfCollide, SelfCollideOptions, SpaceCurve, SphereCollide,
+    TargetError, TriangleMesh, self_clearance,
 };
 pub use lbfgs::LbfgsOptions;
 pub use material::{FREE_FACTOR, SheetMaterial};

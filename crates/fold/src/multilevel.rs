@@ -55,7 +55,9 @@ pub fn fold_multilevel(
     let objective = Objective::new(mesh.vertices.len(), goals);
     check_start(&objective, mesh, start)?;
     let mut descending = Descending { pyramid, mesh, options, done: Vec::new(), stop: None };
-    let Some(folded) = descending.coarse(start, watch)? else {
+    // What is carried from mesh to mesh can touch itself where nothing touched.
+    let is_apart = |x: &Vec<DVec3>| objective.energy(x, options.last_scales()).is_finite();
+    let Some(folded) = descending.coarse(start, watch)?.filter(is_apart) else {
         let (positions, solve) = minimise(&objective, &mesh.vertices, start, options, watch)?;
         return Ok(FoldedSheet { mesh: mesh.clone(), positions, solve });
     };
@@ -108,6 +110,9 @@ impl Descending<'_> {
                 Some(x) => carry(&levels[k - 1].mesh, &x, &level.mesh),
                 None => flat.clone(),
             };
+            if k > 0 && !objective.energy(&from, self.options.last_scales()).is_finite() {
+                return Ok(None);
+            }
             check_start(&objective, &level.mesh, &from)?;
             let system = System::new(&objective, &level.mesh.vertices, &from)?;
             let mut descent =

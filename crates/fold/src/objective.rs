@@ -95,6 +95,11 @@ impl<'a> Objective<'a> {
         self.goals.iter().flat_map(|g| g.contacts(x, margin)).collect()
     }
 
+    /// The largest share of a step, at most 1, that no barrier forbids: see [`Goal::largest_step`].
+    pub fn largest_step(&self, x: &[DVec3], step: &[DVec3]) -> f64 {
+        self.goals.iter().fold(1.0, |most, g| most.min(g.largest_step(x, step)))
+    }
+
     /// Fills a Hessian.
     pub fn fill_hessian(&self, x: &[DVec3], curvature: Curvature, scales: Scales, matrix: &mut Hessian) {
         matrix.clear();

@@ -94,12 +94,10 @@ impl Moving {
             Momentum::Nesterov => (self.weight - 1.0) / next,
         };
         // Moves are taken where momentum has carried the points.
-        for (x, v) in self.x.iter_mut().zip(self.velocity.iter_mut()) {
-            *v *= share;
-            *x += *v;
-        }
+        self.velocity.iter_mut().for_each(|v| *v *= share);
+        go(objective, &mut self.x, &mut self.velocity);
         let (weighted, weights) = objective.moves(&self.x);
-        let moves: Vec<DVec3> = weighted
+        let mut moves: Vec<DVec3> = weighted
             .iter()
             .zip(&weights)
             .map(|(g, w)| if *w > 0.0 { *g / *w } else { DVec3::ZERO })
@@ -109,10 +107,19 @@ impl Moving {
             Momentum::Nesterov => v + m,
         };
         let against: f64 = moves.iter().zip(&self.velocity).map(|(m, v)| m.dot(motion(*m, *v))).sum();
-        for ((x, v), m) in self.x.iter_mut().zip(self.velocity.iter_mut()).zip(moves) {
-            *x += m;
+        go(objective, &mut self.x, &mut moves);
+        for (v, m) in self.velocity.iter_mut().zip(moves) {
             *v = if against < 0.0 { DVec3::ZERO } else { *v + m };
         }
         self.weight = if against < 0.0 { 1.0 } else { next };
+    }
+}
+
+/// Moves the points as far as no barrier forbids, and shortens the motion to that.
+fn go(objective: &Objective<'_>, x: &mut [DVec3], motion: &mut [DVec3]) {
+    let share = objective.largest_step(x, motion);
+    for (x, m) in x.iter_mut().zip(motion) {
+        *m *= share;
+        *x += *m;
     }
 }

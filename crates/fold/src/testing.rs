@@ -1,6 +1,6 @@
 //! Small meshes for the tests of this crate.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use softfold_geometry::{CreaseId, EdgeClass, FlatMesh, LoopId, Site, VertexId};
 
 /// A grid of `columns` × `rows` squares of side `h`, each cut in two; the outline runs
@@ -34,6 +34,26 @@ pub(crate) fn folded_strip(columns: usize, rows: usize, h: f64, turn: impl Fn(us
             EdgeClass::Facet
         }
     })
+}
+
+/// Six volumes below this are none, mm³: of places in one plane only the sign of rounding is left.
+const NO_VOLUME_MM3: f64 = 1e-9;
+
+/// How many edges pierce a triangle to which they do not belong, by looking at all.
+pub(crate) fn crossings(mesh: &FlatMesh, x: &[DVec3]) -> usize {
+    let place = |v: VertexId| x[v.index()];
+    let pierces = |ends: [VertexId; 2], corners: [VertexId; 3]| {
+        let ([p, q], [a, b, c]) = (ends.map(place), corners.map(place));
+        let volume = |a: DVec3, b: DVec3, c: DVec3, d: DVec3| (b - a).cross(c - a).dot(d - a);
+        let ends = [volume(a, b, c, p), volume(a, b, c, q)];
+        let around = [(a, b), (b, c), (c, a)].map(|(u, v)| volume(p, q, u, v));
+        let one_side = |v: &[f64]| v.iter().all(|v| *v > 0.0) || v.iter().all(|v| *v < 0.0);
+        ends.iter().all(|v| v.abs() > NO_VOLUME_MM3) && !one_side(&ends) && one_side(&around)
+    };
+    let apart = |e: &[VertexId; 2], t: &[VertexId; 3]| !t.contains(&e[0]) && !t.contains(&e[1]);
+    let of_edge =
+        |e: [VertexId; 2]| mesh.triangles.iter().filter(|t| apart(&e, t) && pierces(e, **t)).count();
+    mesh.edges.iter().map(|e| of_edge(e.vertices)).sum()
 }
 
 fn site(p: DVec2, w: f64, l: f64) -> Site {

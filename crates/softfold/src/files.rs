@@ -3,7 +3,7 @@
 use crate::export::dxf::{Drawing, Entity, Layer, colour};
 use crate::export::{fold, obj, ply, stl, threemf};
 use crate::output::Staging;
-use crate::pictures::{area_scale, on_stock, pictures};
+use crate::pictures::{area_scale, on_stock, pictures, strip};
 use crate::report::{html, json};
 use crate::stages::{Loaded, Results};
 use crate::{RunError, record};
@@ -139,6 +139,12 @@ impl Writer<'_> {
         let text =
             fold::folded(&f.sheet, fold::Titles { title: &self.name, creases: &creases }).map_err(defect)?;
         self.add("folded.fold", "flat and folded mesh with creases and angles", text)?;
+        if !f.states.is_empty() {
+            let states = f.states.iter().map(|s| (s.name.as_str(), &s.sheet));
+            let text = fold::states(mesh, states, fold::Titles { title: &self.name, creases: &creases });
+            self.add("states.fold", "all states of folding, a frame each", text.map_err(defect)?)?;
+            self.add("states.png", "all states of folding side by side", strip(&f.states)?.png)?;
+        }
         let Some(a) = &results.analyse else { return Ok(()) };
         let v = &a.verdict;
         let colours = area_scale(v).0.colours(&v.vertex_area_error);

@@ -19,6 +19,7 @@ pub mod report;
 mod softness;
 pub mod stages;
 pub mod starter;
+pub mod states;
 
 pub use error::RunError;
 pub use project::Project;

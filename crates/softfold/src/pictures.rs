@@ -7,6 +7,7 @@ use crate::report::picture::{
 };
 use crate::report::plans::{self, PlanBoard, PlanPart, StockSheet};
 use crate::stages::{AnalyseResult, FoldResult, Results};
+use crate::states::State;
 use softfold_fold::Verdict;
 use softfold_geometry::{DVec2, DVec3, EdgeClass, FoldedSheet, polygon};
 use softfold_mold::{Mold, Placed, WaffleBoard};
@@ -78,7 +79,54 @@ fn views(fold: &FoldResult, analyse: &AnalyseResult) -> Result<Vec<Picture>, Run
             ..shot(&fold.sheet, &view, Some(colours), "bend radius")?
         });
     }
+    if !fold.states.is_empty() {
+        views.push(strip(&fold.states)?);
+    }
     Ok(views)
+}
+
+/// Space between two states of the strip, as share of the widest.
+const STATE_GAP: f64 = 0.15;
+/// Width of one state of the strip, px, and the widest strip.
+const STATE_WIDTH_PX: u32 = 280;
+const STRIP_WIDTH_PX: u32 = 2800;
+
+/// All states side by side at one scale, seen from the front left.
+///
+/// # Errors
+/// A picture that cannot be encoded: a defect.
+pub(crate) fn strip(states: &[State]) -> Result<Picture, RunError> {
+    let view = View::new("from the front left", 310.0, 20.0);
+    let (sin, cos) = view.azimuth_deg.to_radians().sin_cos();
+    let right = DVec3::new(cos, sin, 0.0);
+    let span = |s: &State| {
+        let along = s.sheet.positions.iter().map(|p| p.dot(right));
+        along.fold([f64::MAX, f64::MIN], |[lo, hi], a| [lo.min(a), hi.max(a)])
+    };
+    let spans: Vec<[f64; 2]> = states.iter().map(span).collect();
+    let pitch = (1.0 + STATE_GAP) * spans.iter().map(|[lo, hi]| hi - lo).fold(0.0, f64::max);
+    let mut scene = Scene::default();
+    for (k, (state, [lo, hi])) in states.iter().zip(spans).enumerate() {
+        let shift = (k as f64 * pitch - 0.5 * (lo + hi)) * right;
+        let positions = state.sheet.positions.iter().map(|p| *p + shift).collect();
+        let sheet = FoldedSheet { positions, ..state.sheet.clone() };
+        scene.lines.extend(lines(&sheet));
+        scene.meshes.push(scene_mesh(&sheet, Colours::Uniform(PLAIN)));
+    }
+    let width = (states.len() as u32 * STATE_WIDTH_PX).clamp(WIDTH_PX, STRIP_WIDTH_PX);
+    let size = fitting_size(&scene, &view, width, 100..=*HEIGHTS_PX.end());
+    let png = render(&scene, &view, size).map_err(|e| RunError::Defect(e.to_string()))?;
+    let names: Vec<&str> = states.iter().map(|s| s.name.as_str()).collect();
+    Ok(Picture {
+        title: format!("states of folding: {}; {}", names.join(", "), view.name),
+        png,
+        legend: None,
+    })
+}
+
+fn scene_mesh(sheet: &FoldedSheet, colours: Colours) -> SceneMesh {
+    let triangles = sheet.mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect();
+    SceneMesh { positions: sheet.positions.clone(), triangles, colours }
 }
 
 /// Colours of area errors, and the error of the strongest: the largest of the sheet, but no less than rounding.
@@ -98,11 +146,7 @@ fn shot(
     colours: Option<Vec<[u8; 3]>>,
     what: &str,
 ) -> Result<Picture, RunError> {
-    let mesh = SceneMesh {
-        positions: sheet.positions.clone(),
-        triangles: sheet.mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect(),
-        colours: colours.map_or(Colours::Uniform(PLAIN), Colours::PerVertex),
-    };
+    let mesh = scene_mesh(sheet, colours.map_or(Colours::Uniform(PLAIN), Colours::PerVertex));
     let scene = Scene { meshes: vec![mesh], lines: lines(sheet), ground_mm: Some(0.0) };
     let size = fitting_size(&scene, view, WIDTH_PX, HEIGHTS_PX);
     let png = render(&scene, view, size).map_err(|e| RunError::Defect(e.to_string()))?;

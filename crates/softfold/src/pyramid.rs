@@ -2,8 +2,8 @@
 
 use crate::goals::goals;
 use crate::{Loaded, softness, stages};
-use softfold_fold::Level;
-use softfold_geometry::{CreasePattern, SoftPattern};
+use softfold_fold::{Level, schedule};
+use softfold_geometry::{CreaseId, CreasePattern, SoftPattern};
 use softfold_mesh::mesh;
 use softfold_soften::{CreaseSoftness, Segments, soften};
 
@@ -16,18 +16,24 @@ const FEWER: f64 = 0.5;
 /// Strips per band at least, as long as there are as many.
 const LEAST_SEGMENTS: u32 = 2;
 
-/// Coarse meshes of a softened sheet whose own mesh has so many vertices, with their goals; the coarsest first.
+/// Coarse meshes of a softened sheet whose own mesh has so many vertices, with their goals; the coarsest first. Creases
+/// fold by a share of their angles.
 ///
 /// Bands have half as many strips on each coarser mesh. Where the bands do not fit that way, or the goals find no place,
 /// the pyramid ends: it saves time, and nothing depends on it.
-pub fn levels(loaded: &Loaded, pattern: &CreasePattern, vertices: usize) -> Vec<Level> {
+pub fn levels(
+    loaded: &Loaded,
+    pattern: &CreasePattern,
+    vertices: usize,
+    share: &dyn Fn(CreaseId) -> f64,
+) -> Vec<Level> {
     let (mut levels, mut finer, mut edge_mm) = (Vec::new(), vertices, loaded.project.mesh.target_edge_mm);
     let Ok(mut softness) = softness::of_all(loaded, pattern, &mut Vec::new()) else { return levels };
     while finer >= LEAST_VERTICES {
         edge_mm *= COARSER;
         let Ok(soft) = soften(pattern, &softness) else { break };
         coarsen(&mut softness, &soft);
-        let Some(level) = level(loaded, pattern, &softness, edge_mm) else { break };
+        let Some(level) = level(loaded, pattern, &softness, edge_mm, share) else { break };
         let vertices = level.mesh.vertices.len();
         if vertices as f64 > FEWER * finer as f64 {
             break;
@@ -52,10 +58,11 @@ fn level(
     pattern: &CreasePattern,
     softness: &[CreaseSoftness],
     target_edge_mm: f64,
+    share: &dyn Fn(CreaseId) -> f64,
 ) -> Option<Level> {
     let soft = soften(pattern, softness).ok()?;
     let options = softfold_mesh::MeshOptions { target_edge_mm, ..stages::mesh_options(loaded) };
-    let mesh = mesh(&soft, &options).ok()?.mesh;
-    let goals = goals(loaded, &mesh, &pattern.outline).ok()?;
+    let mesh = schedule::with_share(&mesh(&soft, &options).ok()?.mesh, share);
+    let goals = goals(loaded, &mesh, pattern).ok()?;
     Some(Level { mesh, goals })
 }

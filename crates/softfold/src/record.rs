@@ -2,6 +2,8 @@
 
 use crate::report::json;
 use crate::stages::{AnalyseResult, FoldResult, Loaded, MeshResult, Results, SurfaceResult};
+use crate::states::{SpringBack, State};
+use softfold_fold::Clearance;
 use softfold_geometry::{Band, Crease, CreasePattern, DVec2, DVec3, SoftPattern, Softness};
 use softfold_mesh::Crosscheck;
 use softfold_mold::{Board, Mold, Rest};
@@ -124,6 +126,8 @@ fn fold(results: &Results, f: &FoldResult) -> json::Fold {
         stop: solve.stop.clone(),
         hoop_estimate: hoop_estimate(results),
         goals: f.goals.iter().map(goal).collect(),
+        states: f.states.iter().map(state).collect(),
+        spring_back: f.spring_back.iter().map(spring_back).collect(),
         ..json::Fold::default()
     };
     if let Some(a) = &results.analyse {
@@ -135,6 +139,21 @@ fn fold(results: &Results, f: &FoldResult) -> json::Fold {
         fold.self_intersections = a.self_intersections;
     }
     fold
+}
+
+fn state(s: &State) -> json::State {
+    let solve = &s.sheet.solve;
+    let (iterations, energy, converged) = (solve.iterations, solve.energy, solve.converged);
+    json::State { name: s.name.clone(), iterations, energy, converged }
+}
+
+fn spring_back(s: &SpringBack) -> json::SpringBack {
+    json::SpringBack {
+        crease: s.crease.clone(),
+        reached_deg: s.reached_rad.to_degrees(),
+        rest_deg: s.rest_rad.to_degrees(),
+        released_deg: s.released_rad.to_degrees(),
+    }
 }
 
 /// Places along a crease at which its curvature is looked at.
@@ -172,6 +191,8 @@ fn analyse(loaded: &Loaded, results: &Results, a: &AnalyseResult) -> json::Analy
         max_angle_defect_rad: v.max_angle_defect_rad.value,
         principal_strain_min: v.principal_strain[0].value,
         principal_strain_max: v.principal_strain[1].value,
+        self_distance_mm: a.clearance.map(|c| c.distance_mm),
+        self_distance_at: a.clearance.map(|c| c.at.map(pair)),
     }
 }
 
@@ -297,7 +318,7 @@ fn rest_verdict(f: &FoldResult) -> json::Verdict {
     verdict("equilibrium", solve.converged, Some(solve.relative_gradient), None, "", message)
 }
 
-fn sheet_verdicts(loaded: &Loaded, a: &AnalyseResult) -> [json::Verdict; 2] {
+fn sheet_verdicts(loaded: &Loaded, a: &AnalyseResult) -> [json::Verdict; 3] {
     let limit = loaded.project.limits.area_error;
     let worst = a
         .verdict
@@ -321,7 +342,29 @@ fn sheet_verdicts(loaded: &Loaded, a: &AnalyseResult) -> [json::Verdict; 2] {
     [
         verdict("area error", pass, Some(100.0 * worst.value), Some(100.0 * limit), "%", message),
         verdict("self-intersection", hits == 0, Some(hits as f64), Some(0.0), "", through),
+        distance_verdict(loaded.project.board.thickness_mm, a.clearance.as_ref()),
     ]
+}
+
+/// Two places of the middle of the sheet that are nearer than its thickness: the board is in the way of itself.
+fn distance_verdict(thickness_mm: f64, clearance: Option<&Clearance>) -> json::Verdict {
+    let pass = clearance.is_none_or(|c| c.distance_mm >= thickness_mm);
+    let message = match clearance {
+        None => "the sheet keeps far from itself".to_owned(),
+        Some(c) => {
+            let [p, q] = c.at;
+            let places = format!("({:.0}, {:.0}) and ({:.0}, {:.0}) mm on the sheet", p.x, p.y, q.x, q.y);
+            match pass {
+                true => format!("the sheet keeps its thickness from itself; nearest are {places}"),
+                false => format!(
+                    "{places} are nearer to each other than the sheet is thick; fold less, use larger radii, or leave \
+                     fold.self_collision on"
+                ),
+            }
+        }
+    };
+    let figure = clearance.map(|c| c.distance_mm);
+    verdict("self-distance", pass, figure, Some(thickness_mm), "mm", message)
 }
 
 fn surface_verdicts(loaded: &Loaded, s: &SurfaceResult) -> [json::Verdict; 2] {

@@ -5,9 +5,6 @@ use crate::{Loaded, RunError};
 use softfold_geometry::{Crease, CreasePattern, Issue, Role, Severity};
 use softfold_soften::{Along, Board, Compensation, CreaseSoftness, Segments, compensated};
 
-/// Most creases that a message lists.
-const LISTED: usize = 12;
-
 /// Softness of each crease: its table, else the pattern, else the common values. What the board cannot bear is told.
 ///
 /// # Errors
@@ -19,13 +16,8 @@ pub(crate) fn of_all(
 ) -> Result<Vec<CreaseSoftness>, RunError> {
     let soften = &loaded.project.soften;
     if let Some(unknown) = soften.creases.keys().find(|n| pattern.creases.iter().all(|c| c.name != **n)) {
-        let known: Vec<&str> = pattern.creases.iter().take(LISTED).map(|c| c.name.as_str()).collect();
-        let more = pattern.creases.len().saturating_sub(LISTED);
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        let message = format!(
-            "[soften.creases.{unknown}]: the pattern has no such crease; it has {}{more}",
-            known.join(", ")
-        );
+        let known = softfold_fold::address::listed(&pattern.creases);
+        let message = format!("[soften.creases.{unknown}]: the pattern has no such crease; it has {known}");
         let line = line_of_header(&loaded.text, &format!("soften.creases.{unknown}"));
         return Err(RunError::in_file(&loaded.path, line, message));
     }

@@ -1,12 +1,12 @@
 //! The stages in their order: the only place that knows it.
 
-use crate::goals::goals;
 use crate::progress::Progress;
 use crate::project::line_of;
 use crate::project::{self, Project};
-use crate::{RunError, patterns, pyramid, softness};
+use crate::states::{self, Beginning, SpringBack, State};
+use crate::{RunError, patterns, softness};
 use softfold_fold::{
-    Goal, Halt, Iteration, LbfgsOptions, Momentum, NewtonOptions, Pyramid, RelaxOptions, Solver, Verdict,
+    Clearance, Goal, Halt, Iteration, LbfgsOptions, Momentum, NewtonOptions, RelaxOptions, Solver, Verdict,
 };
 use softfold_geometry::{CreasePattern, DVec3, FoldedSheet, Issue, SoftPattern};
 use softfold_kernel::{MeshBuffers, MeshView, cgal, occt};
@@ -108,6 +108,10 @@ pub struct FoldResult {
     pub sheet: FoldedSheet,
     /// What each goal contributes.
     pub goals: Vec<GoalFigure>,
+    /// All states in order where there is more than one; the last is the folded sheet.
+    pub states: Vec<State>,
+    /// What creases kept when they were let go.
+    pub spring_back: Vec<SpringBack>,
 }
 
 /// The analyse stage's results.
@@ -116,6 +120,8 @@ pub struct AnalyseResult {
     pub verdict: Verdict,
     /// Pairs of triangles that pass through each other.
     pub self_intersections: usize,
+    /// Nearest places of the sheet that are no neighbours, if they are nearer than a few thicknesses.
+    pub clearance: Option<Clearance>,
 }
 
 /// The surface stage's results.
@@ -359,7 +365,6 @@ fn mesh_fault(loaded: &Loaded, error: &MeshError) -> RunError {
 fn fold(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
     let mesh = &made(results.mesh.as_ref())?.meshed.mesh;
     let pattern = made(results.pattern.as_ref())?;
-    let goals = goals(loaded, mesh, &pattern.outline)?;
     let start = match loaded.project.fold.start {
         project::Start::Upright => softfold_fold::upright(mesh),
         project::Start::Flat => mesh.vertices.iter().map(|p| p.extend(0.0)).collect(),
@@ -367,26 +372,22 @@ fn fold(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> 
     let halt = Halt::default();
     let began = Instant::now();
     let most_s = loaded.project.fold.max_seconds.unwrap_or(f64::INFINITY);
-    let mut watch = |i: Iteration<'_>| {
-        let word = format!("iteration {}, relative gradient {:.0e}", i.number, i.relative_gradient);
+    let beginning = Beginning { mesh, pattern, start, solver: solver(&loaded.project.fold, &halt) };
+    let mut watch = |state: &str, i: Iteration<'_>| {
+        let word = format!("{state}, iteration {}, relative gradient {:.0e}", i.number, i.relative_gradient);
         progress.advance(None, &word);
         if began.elapsed().as_secs_f64() > most_s {
             halt.set();
         }
     };
-    let sheet = match solver(&loaded.project.fold, &halt) {
-        Solver::Newton(options) => {
-            let levels = pyramid::levels(loaded, pattern, mesh.vertices.len());
-            let pyramid = Pyramid { levels: &levels, carry: &softfold_mesh::transfer_smooth };
-            softfold_fold::fold_multilevel(&pyramid, mesh, &goals, &start, &options, &mut watch)
-        }
-        other => softfold_fold::fold(mesh, &goals, &start, &other, &mut watch),
-    }
-    .map_err(|e| loaded.fault("fold", "solver", e))?;
-    sheet.check().map_err(defect)?;
+    let mut course = states::fold_all(loaded, beginning, &mut watch)?;
+    let sheet = made(course.states.last())?.sheet.clone();
     let word = format!("{} iterations, {}", sheet.solve.iterations, sheet.solve.stop);
-    let goals = goals.iter().map(|g| figure(g.as_ref(), &sheet)).collect();
-    results.fold = Some(FoldResult { sheet, goals });
+    let goals = course.goals.iter().map(|g| figure(g.as_ref(), &sheet)).collect();
+    if course.states.len() == 1 {
+        course.states.clear(); // the result says it all
+    }
+    results.fold = Some(FoldResult { sheet, goals, states: course.states, spring_back: course.spring_back });
     Ok(word)
 }
 
@@ -433,7 +434,10 @@ fn solver(fold: &project::Fold, halt: &Halt) -> Solver {
     }
 }
 
-fn analyse(_: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
+/// Distances of the sheet from itself are told up to this many thicknesses.
+const CLEARANCE_WITHIN: f64 = 3.0;
+
+fn analyse(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
     let sheet = &made(results.fold.as_ref())?.sheet;
     let verdict = softfold_fold::analyse(sheet);
     progress.advance(Some(0.5), "self-intersections");
@@ -442,7 +446,9 @@ fn analyse(_: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Re
     let pairs = cgal::self_intersections(MeshView { positions: &positions, triangles: &triangles })
         .map_err(defect)?;
     let [lo, hi] = verdict.area_error;
-    results.analyse = Some(AnalyseResult { verdict, self_intersections: pairs.len() });
+    let thickness_mm = loaded.project.board.thickness_mm;
+    let clearance = softfold_fold::self_clearance(sheet, thickness_mm, CLEARANCE_WITHIN * thickness_mm);
+    results.analyse = Some(AnalyseResult { verdict, self_intersections: pairs.len(), clearance });
     Ok(format!("area error {:+.2} % to {:+.2} %", 100.0 * lo.value, 100.0 * hi.value))
 }
 

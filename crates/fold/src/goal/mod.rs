@@ -13,6 +13,7 @@ mod load;
 mod on_curve;
 mod on_mesh;
 mod on_plane;
+mod self_collide;
 mod sphere_collide;
 #[cfg(test)]
 mod sweep_tests;
@@ -32,6 +33,7 @@ pub use load::{EARTH_GRAVITY, Load};
 pub use on_curve::{OnCurve, SpaceCurve};
 pub use on_mesh::{OnMesh, TriangleMesh};
 pub use on_plane::OnPlane;
+pub use self_collide::{Clearance, SelfCollide, SelfCollideOptions, self_clearance};
 pub use sphere_collide::SphereCollide;
 
 use crate::hessian::BlockSink;
@@ -100,6 +102,12 @@ pub trait Goal: Send + Sync {
     /// also those that are apart by up to that share of the contact distance more.
     fn contacts(&self, _x: &[DVec3], _margin: f64) -> Vec<[u32; 2]> {
         Vec::new()
+    }
+
+    /// The largest share of a step from `x`, at most 1, on all of which the energy surely stays finite: barriers must
+    /// not be leapt over. 1 for energies without barriers.
+    fn largest_step(&self, _x: &[DVec3], _step: &[DVec3]) -> f64 {
+        1.0
     }
 
     /// The energy.

@@ -78,6 +78,11 @@ fn inner_goals(mesh: &FlatMesh) -> Vec<Box<dyn Goal>> {
         Box::new(Glue { name: "seam".into(), points: ends, stiffness: 3.0 }),
         Box::new(CoPlanar { name: "rim".into(), points, stiffness: 2.0 }),
         Box::new(SphereCollide::of_mesh(mesh, 0.9 * SIDE, 2.0)),
+        // Thin, with a long reach: at work wherever the sheet is folded by more than some 100°.
+        Box::new(SelfCollide::of_mesh(
+            mesh,
+            SelfCollideOptions { thickness_mm: 1e-3, reach_mm: 2.0 * SIDE, stiffness: 2.0 },
+        )),
     ]
 }
 

@@ -165,8 +165,8 @@ pub(crate) fn sculpture() -> Case {
         softfold::run(&loaded, softfold::Stage::Mesh, &mut softfold::progress::Quiet).expect("a mesh");
     let pattern = results.pattern.expect("a pattern");
     let mesh = results.mesh.expect("a mesh").meshed.mesh;
-    let goals = softfold::goals::goals(&loaded, &mesh, &pattern.outline).expect("goals");
-    let coarse = softfold::pyramid::levels(&loaded, &pattern, mesh.vertices.len());
+    let goals = softfold::goals::goals(&loaded, &mesh, &pattern).expect("goals");
+    let coarse = softfold::pyramid::levels(&loaded, &pattern, mesh.vertices.len(), &|_| 1.0);
     let start = upright(&mesh);
     Case { name: "sculpture".to_owned(), coarse, mesh, goals, start, elastic: None }
 }

@@ -1,4 +1,4 @@
-//! FOLD 1.2: the flat mesh as a crease pattern, and the folded sheet as a second frame of it.
+//! FOLD 1.2: the flat mesh as a crease pattern, and folded sheets as further frames of it.
 //!
 //! FOLD has no key for curved creases: `softfold:edges_crease` and `softfold:edges_foldLine` tie the
 //! pieces of a soft fold to the crease and the fold line that they stand for.
@@ -43,13 +43,13 @@ struct File<'a> {
     #[serde(rename = "softfold:edges_loop")]
     edges_loop: Vec<Option<u32>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    file_frames: Vec<FoldedFrame>,
+    file_frames: Vec<FoldedFrame<'a>>,
 }
 
 /// The folded form; what it does not say it inherits.
 #[derive(Serialize)]
-struct FoldedFrame {
-    frame_title: &'static str,
+struct FoldedFrame<'a> {
+    frame_title: &'a str,
     frame_classes: [&'static str; 1],
     frame_attributes: [&'static str; 3],
     frame_unit: &'static str,
@@ -73,12 +73,29 @@ pub fn flat(mesh: &FlatMesh, titles: Titles<'_>) -> Result<String, ExportError> 
 /// # Errors
 /// None with finite coordinates.
 pub fn folded(sheet: &FoldedSheet, titles: Titles<'_>) -> Result<String, ExportError> {
+    Ok(serde_json::to_string(&file(&sheet.mesh, titles, vec![frame("folded", sheet)]))?)
+}
+
+/// The flat mesh and its states by name and in order, a frame each from 1 on.
+///
+/// # Errors
+/// None with finite coordinates.
+pub fn states<'a>(
+    mesh: &'a FlatMesh,
+    states: impl IntoIterator<Item = (&'a str, &'a FoldedSheet)>,
+    titles: Titles<'a>,
+) -> Result<String, ExportError> {
+    let frames = states.into_iter().map(|(name, sheet)| frame(name, sheet)).collect();
+    Ok(serde_json::to_string(&file(mesh, titles, frames))?)
+}
+
+fn frame<'a>(frame_title: &'a str, sheet: &FoldedSheet) -> FoldedFrame<'a> {
     let made = |e: &Edge| match e.class {
         EdgeClass::Fold { .. } => sheet.turn_rad(e).unwrap_or(0.0).to_degrees(),
         _ => 0.0,
     };
-    let frame = FoldedFrame {
-        frame_title: "folded",
+    FoldedFrame {
+        frame_title,
         frame_classes: ["foldedForm"],
         frame_attributes: ["3D", "manifold", "orientable"],
         frame_unit: "mm",
@@ -86,11 +103,10 @@ pub fn folded(sheet: &FoldedSheet, titles: Titles<'_>) -> Result<String, ExportE
         frame_inherit: true,
         vertices_coords: sheet.positions.iter().map(|p| p.to_array()).collect(),
         edges_fold_angle: sheet.mesh.edges.iter().map(made).collect(),
-    };
-    Ok(serde_json::to_string(&file(&sheet.mesh, titles, vec![frame]))?)
+    }
 }
 
-fn file<'a>(mesh: &FlatMesh, titles: Titles<'a>, file_frames: Vec<FoldedFrame>) -> File<'a> {
+fn file<'a>(mesh: &FlatMesh, titles: Titles<'a>, file_frames: Vec<FoldedFrame<'a>>) -> File<'a> {
     File {
         file_spec: 1.2,
         file_creator: "softfold",
@@ -206,5 +222,25 @@ mod tests {
         assert_eq!(frame["vertices_coords"].as_array().unwrap().len(), 6);
         let fold = file["edges_assignment"].as_array().unwrap().iter().position(|l| l == "M").unwrap();
         assert!((frame["edges_foldAngle"][fold].as_f64().unwrap() + 90.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn states_are_frames_that_inherit_the_flat_one() {
+        let sheet = sheet();
+        let names = ["rim".to_owned()];
+        let titles = Titles { title: "t", creases: &names };
+        let text = states(&sheet.mesh, [("half", &sheet), ("whole", &sheet)], titles).unwrap();
+        let file: Value = serde_json::from_str(&text).unwrap();
+        let frames = file["file_frames"].as_array().unwrap();
+        assert_eq!(frames.len(), 2);
+        for (frame, name) in frames.iter().zip(["half", "whole"]) {
+            assert_eq!((&frame["frame_title"], &frame["frame_parent"]), (&json!(name), &json!(0)));
+            assert_eq!(
+                (&frame["frame_inherit"], &frame["frame_classes"]),
+                (&json!(true), &json!(["foldedForm"]))
+            );
+            assert_eq!(frame["vertices_coords"][0].as_array().unwrap().len(), 3);
+        }
+        assert_eq!(file["frame_classes"], json!(["creasePattern"]));
     }
 }

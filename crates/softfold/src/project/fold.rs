@@ -1,8 +1,11 @@
 //! `[fold]`: solver, start, and what holds, pulls and carries the sheet.
 
 use super::ProjectFault;
+use super::course::{Release, SelfCollision, Step};
 use super::number::{Number, Range, entry, finite};
+use super::place::{MEND, Place, Spot};
 use serde::Deserialize;
+use std::path::PathBuf;
 
 /// `fold.solver`
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
@@ -56,6 +59,8 @@ pub struct Fold {
     pub coplanar: Vec<CoPlanar>,
     /// `[[fold.rails]]`
     pub rails: Vec<Rail>,
+    /// `[[fold.scans]]`
+    pub scans: Vec<Scan>,
     /// `[[fold.floors]]`
     pub floors: Vec<Floor>,
     /// `[[fold.loads]]`
@@ -66,6 +71,12 @@ pub struct Fold {
     pub area_stiffness: Option<f64>,
     /// `[fold.collide]`
     pub collide: Option<Collide>,
+    /// `[fold.self_collision]`
+    pub self_collision: SelfCollision,
+    /// `[[fold.schedule]]`
+    pub schedule: Vec<Step>,
+    /// `[fold.release]`
+    pub release: Option<Release>,
 }
 
 /// `[[fold.anchors]]`
@@ -74,8 +85,8 @@ pub struct Fold {
 pub struct Anchor {
     /// Name.
     pub name: String,
-    /// Point of the sheet, mm.
-    pub at: [f64; 2],
+    /// Point of the sheet.
+    pub at: Place,
     /// Place in space, mm.
     pub target: [f64; 3],
     /// Stiffness along x, y, z, N/mm.
@@ -88,10 +99,10 @@ pub struct Anchor {
 pub struct Band {
     /// Name.
     pub name: String,
-    /// One end on the sheet, mm.
-    pub from: [f64; 2],
-    /// The other end, mm.
-    pub to: [f64; 2],
+    /// One end on the sheet.
+    pub from: Place,
+    /// The other end.
+    pub to: Place,
     /// Length up to which it is slack, mm.
     pub rest_mm: f64,
     /// Stiffness, N/mm.
@@ -104,10 +115,12 @@ pub struct Band {
 pub struct Plane {
     /// Name.
     pub name: String,
-    /// Start of the piece of outline, mm.
-    pub outline_from: [f64; 2],
-    /// Its end, counter-clockwise, mm.
-    pub outline_to: [f64; 2],
+    /// Start of the piece of outline.
+    pub outline_from: Option<Place>,
+    /// Its end, counter-clockwise.
+    pub outline_to: Option<Place>,
+    /// In place of a piece of outline: corners of a polygon whose vertices are kept in the plane, mm.
+    pub region: Option<Vec<[f64; 2]>>,
     /// A point of the plane, mm.
     pub origin: [f64; 3],
     /// Its normal.
@@ -122,10 +135,10 @@ pub struct Plane {
 pub struct Glue {
     /// Name.
     pub name: String,
-    /// One point of the sheet, mm.
-    pub from: [f64; 2],
-    /// The other, mm.
-    pub to: [f64; 2],
+    /// One point of the sheet.
+    pub from: Place,
+    /// The other.
+    pub to: Place,
     /// Stiffness, N/mm.
     pub stiffness: f64,
 }
@@ -136,8 +149,8 @@ pub struct Glue {
 pub struct CoPlanar {
     /// Name.
     pub name: String,
-    /// Points of the sheet, mm.
-    pub at: Vec<[f64; 2]>,
+    /// Points of the sheet, or all of a region.
+    pub at: Vec<Spot>,
     /// Stiffness, N/mm.
     pub stiffness: f64,
 }
@@ -148,11 +161,25 @@ pub struct CoPlanar {
 pub struct Rail {
     /// Name.
     pub name: String,
-    /// Points of the sheet, mm.
-    pub at: Vec<[f64; 2]>,
+    /// Points of the sheet, or all of a region.
+    pub at: Vec<Spot>,
     /// Points of the polyline, mm.
     pub through: Vec<[f64; 3]>,
     /// Stiffness, N/mm.
+    pub stiffness: f64,
+}
+
+/// `[[fold.scans]]`: points of the sheet pulled onto a triangle mesh in space.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scan {
+    /// Name.
+    pub name: String,
+    /// Points of the sheet, or all of a region.
+    pub at: Vec<Spot>,
+    /// The mesh, mm: OBJ, PLY, STL or OFF, relative to the project file.
+    pub file: PathBuf,
+    /// Stiffness per point, N/mm.
     pub stiffness: f64,
 }
 
@@ -176,8 +203,8 @@ pub struct Floor {
 pub struct Load {
     /// Name.
     pub name: String,
-    /// Point of the sheet, mm.
-    pub at: [f64; 2],
+    /// Point of the sheet.
+    pub at: Place,
     /// Force, N.
     pub force_n: [f64; 3],
 }
@@ -192,36 +219,53 @@ pub struct Collide {
     pub stiffness: f64,
 }
 
+impl Plane {
+    const WHERE: &str = "give outline_from and outline_to, or region = [[u, v], ...] with three corners or more; places \
+                         are [u, v] or { outline_mm or outline_share = NUMBER }";
+
+    fn says_where(&self) -> bool {
+        match (&self.outline_from, &self.outline_to, &self.region) {
+            (Some(from), Some(to), None) => from.is_fine() && to.is_fine(),
+            (None, None, Some(region)) => region.len() > 2 && region.iter().all(|p| finite(p)),
+            _ => false,
+        }
+    }
+}
+
+/// Whether these are `least` points or have a region among them.
+fn enough(spots: &[Spot], least: usize) -> bool {
+    spots.len() >= least || spots.iter().any(|s| matches!(s, Spot::Region(_)))
+}
+
 impl Fold {
     pub(super) fn check(&self, text: &str) -> Result<(), ProjectFault> {
         for (i, a) in self.anchors.iter().enumerate() {
-            let fine =
-                finite(&a.at) && finite(&a.target) && a.stiffness.iter().all(|k| *k >= 0.0 && k.is_finite());
+            entry(a.at.is_fine(), text, "fold.anchors", i, &a.name, MEND)?;
+            let fine = finite(&a.target) && a.stiffness.iter().all(|k| *k >= 0.0 && k.is_finite());
             entry(
                 fine,
                 text,
                 "fold.anchors",
                 i,
                 &a.name,
-                "at and target must be finite numbers, stiffness not negative",
+                "target must be finite numbers, stiffness not negative",
             )?;
         }
         for (i, b) in self.bands.iter().enumerate() {
-            let fine = finite(&b.from)
-                && finite(&b.to)
-                && [b.rest_mm, b.stiffness].iter().all(|v| *v >= 0.0 && v.is_finite());
+            entry(b.from.is_fine() && b.to.is_fine(), text, "fold.bands", i, &b.name, MEND)?;
+            let fine = [b.rest_mm, b.stiffness].iter().all(|v| *v >= 0.0 && v.is_finite());
             entry(
                 fine,
                 text,
                 "fold.bands",
                 i,
                 &b.name,
-                "its ends must be finite numbers, rest_mm and stiffness not negative",
+                "rest_mm and stiffness must be finite numbers, not negative",
             )?;
         }
         for (i, p) in self.planes.iter().enumerate() {
-            let numbers =
-                finite(&p.outline_from) && finite(&p.outline_to) && finite(&p.origin) && finite(&p.normal);
+            entry(p.says_where(), text, "fold.planes", i, &p.name, Plane::WHERE)?;
+            let numbers = finite(&p.origin) && finite(&p.normal);
             let fine = numbers
                 && p.normal.iter().any(|c| *c != 0.0)
                 && p.stiffness >= 0.0
@@ -232,31 +276,51 @@ impl Fold {
                 "fold.planes",
                 i,
                 &p.name,
-                "its points must be finite numbers, the normal not zero, stiffness not negative",
+                "origin and normal must be finite numbers, the normal not zero, stiffness not negative",
             )?;
         }
         self.check_new(text)
+    }
+
+    /// Names of all that holds, pulls or loads the sheet and can be let go.
+    pub fn hold_names(&self) -> Vec<&str> {
+        let anchors = self.anchors.iter().map(|h| &h.name);
+        let bands = self.bands.iter().map(|h| &h.name);
+        let planes = self.planes.iter().map(|h| &h.name);
+        let glues = self.glues.iter().map(|h| &h.name);
+        let coplanar = self.coplanar.iter().map(|h| &h.name);
+        let rails = self.rails.iter().map(|h| &h.name);
+        let scans = self.scans.iter().map(|h| &h.name);
+        let loads = self.loads.iter().map(|h| &h.name);
+        let points = glues.chain(coplanar).chain(rails).chain(scans);
+        let all = anchors.chain(bands).chain(planes).chain(points).chain(loads);
+        all.map(String::as_str).collect()
     }
 
     /// Glues, coplanar points, rails, floors and loads.
     fn check_new(&self, text: &str) -> Result<(), ProjectFault> {
         let stiff = |k: f64| k >= 0.0 && k.is_finite();
         for (i, g) in self.glues.iter().enumerate() {
-            let fine = finite(&g.from) && finite(&g.to) && stiff(g.stiffness);
-            let mend = "its ends must be finite numbers, stiffness not negative";
-            entry(fine, text, "fold.glues", i, &g.name, mend)?;
+            entry(g.from.is_fine() && g.to.is_fine(), text, "fold.glues", i, &g.name, MEND)?;
+            let mend = "stiffness must be a finite number, not negative";
+            entry(stiff(g.stiffness), text, "fold.glues", i, &g.name, mend)?;
         }
         for (i, c) in self.coplanar.iter().enumerate() {
-            let fine = c.at.len() > 3 && c.at.iter().all(|p| finite(p)) && stiff(c.stiffness);
-            let mend = "give four points or more in `at`, all finite, and a stiffness that is not negative";
+            let fine = enough(&c.at, 4) && c.at.iter().all(Spot::is_fine) && stiff(c.stiffness);
+            let mend = "give four points or more or a region in `at`, all finite, and a stiffness that is not negative";
             entry(fine, text, "fold.coplanar", i, &c.name, mend)?;
         }
         for (i, r) in self.rails.iter().enumerate() {
-            let points = !r.at.is_empty() && r.at.iter().all(|p| finite(p));
+            let points = enough(&r.at, 1) && r.at.iter().all(Spot::is_fine);
             let rail = r.through.len() > 1 && r.through.iter().all(|p| finite(p));
             let mend = "give points of the sheet in `at` and two points of space or more in `through`, all finite, and a \
                         stiffness that is not negative";
             entry(points && rail && stiff(r.stiffness), text, "fold.rails", i, &r.name, mend)?;
+        }
+        for (i, s) in self.scans.iter().enumerate() {
+            let fine = enough(&s.at, 1) && s.at.iter().all(Spot::is_fine) && stiff(s.stiffness);
+            let mend = "give points of the sheet or a region in `at`, all finite, and a stiffness that is not negative";
+            entry(fine, text, "fold.scans", i, &s.name, mend)?;
         }
         for (i, f) in self.floors.iter().enumerate() {
             let fine = finite(&f.origin) && finite(&f.normal) && f.normal.iter().any(|c| *c != 0.0);
@@ -265,10 +329,11 @@ impl Fold {
             entry(fine && stiff(f.stiffness), text, "fold.floors", i, &f.name, mend)?;
         }
         for (i, l) in self.loads.iter().enumerate() {
-            let fine = finite(&l.at) && finite(&l.force_n);
-            entry(fine, text, "fold.loads", i, &l.name, "at and force_n must be finite numbers")?;
+            entry(l.at.is_fine(), text, "fold.loads", i, &l.name, MEND)?;
+            entry(finite(&l.force_n), text, "fold.loads", i, &l.name, "force_n must be finite numbers")?;
         }
-        Ok(())
+        self.schedule.iter().enumerate().try_for_each(|(i, step)| step.check(text, i))?;
+        self.release.as_ref().map_or(Ok(()), |r| r.check(text))
     }
 
     pub(super) fn numbers(&self) -> Vec<Number> {
@@ -282,6 +347,7 @@ impl Fold {
         .into_iter()
         .flatten()
         .collect();
+        all.extend(self.self_collision.numbers());
         if let Some(c) = &self.collide {
             all.push(Number::new("fold.collide", "diameter_mm", c.diameter_mm, Range::Positive));
             all.push(Number::new("fold.collide", "stiffness", c.stiffness, Range::NotNegative));

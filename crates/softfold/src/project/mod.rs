@@ -1,12 +1,16 @@
 //! The project file: what a run is asked for. TOML; every key is documented in `fixtures/sculpture/project.toml`.
 
+mod course;
 mod fold;
 mod number;
+mod place;
 mod read;
 mod soften;
 
-pub use fold::{Anchor, Band, CoPlanar, Collide, Floor, Fold, Glue, Load, Plane, Rail, Solver, Start};
+pub use course::{Release, SelfCollision, Step};
+pub use fold::{Anchor, Band, CoPlanar, Collide, Floor, Fold, Glue, Load, Plane, Rail, Scan, Solver, Start};
 pub use number::{line_of, line_of_entry, line_of_header};
+pub use place::{OnCrease, OnOutline, Place, Region, Spot};
 pub use read::{Outline, Read, Roles};
 pub use soften::{Along, Compensation, Radius, SoftCrease, Soften};
 

@@ -1,6 +1,8 @@
 //! `report.html`: one page for the designer, with everything inside it; no scripts, nothing from elsewhere.
 
-use super::json::{Analyse, Board, Crosscheck, Fold, Mesh, Mold, Report, Stability, Surface, Verdict};
+use super::json::{
+    Analyse, Board, Crosscheck, Fold, Mesh, Mold, Report, SpringBack, Stability, State, Surface, Verdict,
+};
 use super::page::{Facts, STYLE, drawing, legend, picture, section, table, timed_table};
 use super::picture::Legend;
 use super::summary::finding;
@@ -227,7 +229,29 @@ fn figures(report: &Report) -> String {
             table(&["Goal", "Kind", "Energy", "Farthest off"], &goals)
         ));
     }
+    if let Some(f) = report.fold.as_ref().filter(|f| !f.states.is_empty()) {
+        content += &scroll(&states(f));
+    }
     section("figures", "Figures", &content)
+}
+
+/// The states of folding, and what creases kept when they were let go.
+fn states(f: &Fold) -> String {
+    let state =
+        |s: &State| vec![s.name.clone(), s.iterations.to_string(), figure(s.energy), yes(s.converged)];
+    let rows: Vec<_> = f.states.iter().map(state).collect();
+    let mut content =
+        format!("<h3>States of folding</h3>{}", table(&["State", "Steps", "Energy", "At rest"], &rows));
+    let kept = |s: &SpringBack| {
+        let angles = [s.reached_deg, s.rest_deg, s.released_deg].map(|a| with_unit(a, "°"));
+        [vec![s.crease.clone()], angles.to_vec()].concat()
+    };
+    if !f.spring_back.is_empty() {
+        let head = ["Crease", "Held", "Keeps by itself", "Let go"];
+        let rows: Vec<_> = f.spring_back.iter().map(kept).collect();
+        content += &format!("<h3>What creases keep</h3>{}", table(&head, &rows));
+    }
+    content
 }
 
 fn mesh_facts(m: &Mesh) -> String {
@@ -290,6 +314,7 @@ fn analyse_facts(a: &Analyse) -> String {
             format!("{} to {}", percent(a.principal_strain_min), percent(a.principal_strain_max)),
         )
         .row("Largest angle defect", with_unit(a.max_angle_defect_rad, "rad"))
+        .row("Nearest to itself", a.self_distance_mm.map_or_else(|| "far".to_owned(), |d| with_unit(d, "mm")))
         .finish("Material")
 }
 

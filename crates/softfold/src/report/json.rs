@@ -181,6 +181,38 @@ pub struct Fold {
     pub goals: Vec<Goal>,
     /// Pairs of triangles that pass through each other.
     pub self_intersections: usize,
+    /// The states of folding in order, where there is more than one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub states: Vec<State>,
+    /// What creases kept when they were let go.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub spring_back: Vec<SpringBack>,
+}
+
+/// A state of folding.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Its name.
+    pub name: String,
+    /// Iterations from the state before.
+    pub iterations: u32,
+    /// Energy at its end.
+    pub energy: f64,
+    /// Whether it came to rest.
+    pub converged: bool,
+}
+
+/// What a crease kept when it was let go; fold angles in degrees, + valley, - mountain.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SpringBack {
+    /// Its name.
+    pub crease: String,
+    /// Fold angle before.
+    pub reached_deg: f64,
+    /// Fold angle at which it is at rest by itself afterwards: its plastic share.
+    pub rest_deg: f64,
+    /// Fold angle afterwards.
+    pub released_deg: f64,
 }
 
 /// One goal of the simulation.
@@ -211,6 +243,12 @@ pub struct Analyse {
     pub principal_strain_min: f64,
     /// Largest principal strain.
     pub principal_strain_max: f64,
+    /// Smallest distance of the sheet from itself among places that are no neighbours, mm; none above a few thicknesses.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub self_distance_mm: Option<f64>,
+    /// Its two places, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub self_distance_at: Option<[[f64; 2]; 2]>,
 }
 
 /// The NURBS surface.

@@ -1,0 +1,234 @@
+//! The barrier by itself: distances, derivatives over all kinds of nearness, and steps that would tunnel.
+
+use super::broad::Sheet;
+use super::*;
+use crate::goal::testing::{prove_by_steps, prove_convex, prove_descent, prove_rigid_invariance};
+use crate::testing::strip;
+use softfold_geometry::{EdgeClass, LoopId, Site, SolveRecord, VertexId};
+
+const OPTIONS: SelfCollideOptions = SelfCollideOptions { thickness_mm: 1.0, reach_mm: 0.5, stiffness: 3.0 };
+
+/// Two triangles that are two sheets, side by side.
+fn two_triangles() -> FlatMesh {
+    let flat = [(0., 0.), (4., 0.), (0., 4.), (50., 0.), (54., 0.), (50., 4.)].map(DVec2::from).to_vec();
+    let triangles = vec![[0, 1, 2].map(VertexId), [3, 4, 5].map(VertexId)];
+    let boundary = EdgeClass::Boundary { loop_id: LoopId(0) };
+    FlatMesh::new(flat, vec![Site::Interior; 6], triangles, |_, _| boundary)
+}
+
+fn goal() -> [Box<dyn Goal>; 1] {
+    [Box::new(SelfCollide::of_mesh(&two_triangles(), OPTIONS))]
+}
+
+/// The first triangle lies flat; the second is given.
+fn over(second: [(f64, f64, f64); 3]) -> Vec<DVec3> {
+    let first = [(0., 0., 0.), (4., 0., 0.), (0., 4., 0.)];
+    first.into_iter().chain(second).map(DVec3::from).collect()
+}
+
+/// Every kind of nearest places, all at 1.2 mm, with parallel edges, slivers and triangles without area.
+fn shapes() -> Vec<(&'static str, Vec<DVec3>)> {
+    vec![
+        ("corner over face", over([(1.0, 1.1, 1.2), (2.0, 3.0, 6.0), (0.5, -2.0, 7.0)])),
+        ("corner over edge", over([(2.0, -0.8, 0.9), (3.0, -4.0, 3.0), (0.4, -5.0, 2.0)])),
+        ("corner over corner", over([(-0.7, -0.7, 0.7), (-3.0, -2.0, 4.0), (-2.0, -5.0, 1.0)])),
+        ("edge over edge", over([(2.0, -3.0, 1.2), (1.7, 3.0, 1.25), (2.5, -2.0, 7.0)])),
+        ("parallel edges", over([(0.5, -1.2, 0.1), (3.5, -1.2, 0.1), (2.0, -6.0, 2.0)])),
+        ("nearly parallel edges", over([(0.5, -1.2, 0.1), (3.5, -1.22, 0.14), (2.0, -6.0, 2.0)])),
+        ("crossing at a small angle", over([(0.5, -0.06, 1.2), (3.5, 0.06, 1.23), (2.0, -6.0, 8.0)])),
+        ("face on face", over([(0.3, 0.4, 1.2), (2.1, 0.6, 1.25), (0.5, 2.2, 1.3)])),
+        ("sliver", over([(1.0, 1.1, 1.2), (6.0, 1.102, 1.3), (11.0, 1.1, 1.4)])),
+        ("no area", over([(1.0, 1.1, 1.2), (2.0, 1.2, 2.2), (3.0, 1.3, 3.2)])),
+        ("deep", over([(1.0, 1.1, 1.002), (2.0, 3.0, 6.0), (0.5, -2.0, 7.0)])),
+    ]
+}
+
+#[test]
+fn derivatives_and_moves_are_those_of_the_energy() {
+    for (name, x) in shapes() {
+        let step = if name == "deep" { 1e-7 } else { 1e-6 };
+        assert!(goal()[0].energy(&x) > 0.0, "{name} must touch");
+        let run = std::panic::AssertUnwindSafe(|| prove_by_steps(&goal(), &x, step, 2e-5));
+        assert!(std::panic::catch_unwind(run).is_ok(), "{name}");
+    }
+}
+
+#[test]
+fn the_convex_hessian_has_no_negative_direction() {
+    shapes().iter().for_each(|(_, x)| prove_convex(&goal(), x));
+}
+
+#[test]
+fn rigid_motions_change_nothing() {
+    shapes().iter().for_each(|(_, x)| prove_rigid_invariance(&goal(), x));
+}
+
+#[test]
+fn one_move_of_eq_4_does_not_raise_the_energy() {
+    shapes().iter().for_each(|(_, x)| prove_descent(&goal(), x));
+}
+
+/// Steps without a pattern, each entry from −1 to 1.
+fn noise(k: usize) -> f64 {
+    2.0 * ((12.9898 * (k as f64 + 0.37)).sin() * 43758.5453).rem_euclid(1.0) - 1.0
+}
+
+fn shaken(count: usize, seed: usize, size: f64) -> Vec<DVec3> {
+    let at = |i: usize, c: usize| noise(1009 * seed + 3 * i + c);
+    (0..count).map(|i| size * DVec3::new(at(i, 0), at(i, 1), at(i, 2))).collect()
+}
+
+/// Least distance of two triangles by a search over points of both.
+fn sampled_distance(x: &[DVec3]) -> f64 {
+    const STEPS: u32 = 24;
+    let points = |c: &[DVec3]| -> Vec<DVec3> {
+        let share = |k: u32| f64::from(k) / f64::from(STEPS);
+        let pairs = (0..=STEPS).flat_map(|i| (0..=STEPS - i).map(move |j| (i, j)));
+        pairs.map(|(i, j)| c[0] + share(i) * (c[1] - c[0]) + share(j) * (c[2] - c[0])).collect()
+    };
+    let (first, second) = (points(&x[..3]), points(&x[3..]));
+    first.iter().flat_map(|p| second.iter().map(|q| p.distance(*q))).fold(f64::MAX, f64::min)
+}
+
+fn least_distance(x: &[DVec3]) -> f64 {
+    let gap = Gap { least_mm: 1.0, contact_mm: 100.0 };
+    let found = Sheet::new(&two_triangles(), gap).candidates(x, &[], 0.0, 0.0, true).unwrap();
+    found.all().map(|p| p.distance_mm(x)).fold(f64::MAX, f64::min)
+}
+
+#[test]
+fn distances_are_those_of_a_search_over_points() {
+    for seed in 0..60 {
+        let mut x = shaken(6, seed, 4.0);
+        x[3..].iter_mut().for_each(|p| p.z += 9.0);
+        let (found, sampled) = (least_distance(&x), sampled_distance(&x));
+        assert!(found <= sampled + 1e-12 && sampled < found + 0.25, "{seed}: {found} {sampled}");
+    }
+}
+
+#[test]
+fn no_step_leads_through_and_free_steps_are_not_shortened() {
+    let collide = SelfCollide::of_mesh(&two_triangles(), OPTIONS);
+    let (mut limited, mut free) = (0, 0);
+    for seed in 0..400 {
+        let mut x = shaken(6, seed, 4.0);
+        x[3..].iter_mut().for_each(|p| p.z += 10.0);
+        let mut step = shaken(6, seed + 7000, 6.0);
+        // The upper triangle falls, often through the lower one.
+        step[3..].iter_mut().for_each(|d| d.z -= 3.0 + 30.0 * noise(seed + 90_000).abs());
+        if least_distance(&x) <= 1.0 {
+            continue;
+        }
+        let most = collide.largest_step(&x, &step);
+        let at = |t: f64| -> Vec<DVec3> { x.iter().zip(&step).map(|(x, d)| *x + t * *d).collect() };
+        let on_way = |k: u32, most: f64| least_distance(&at(most * f64::from(k) / 300.0));
+        let nearest = (0..=300).map(|k| on_way(k, most)).fold(f64::MAX, f64::min);
+        assert!(nearest > 1.0, "{seed}: {most} {nearest}");
+        let nearest_of_all = (0..=300).map(|k| on_way(k, 1.0)).fold(f64::MAX, f64::min);
+        if most < 1.0 {
+            limited += 1;
+            assert!(collide.energy(&at(most)).is_finite());
+            // Nine tenths of the gap may be used, not much less.
+            assert!(
+                nearest_of_all < 1.0 + 0.2 * (least_distance(&x) - 1.0),
+                "{seed}: {most} {nearest_of_all}"
+            );
+        } else {
+            free += 1;
+        }
+    }
+    assert!(limited > 60 && free > 60, "{limited} {free}");
+}
+
+#[test]
+fn a_fall_straight_down_ends_where_nine_tenths_of_the_gap_are_used() {
+    let x = over([(1.0, 1.0, 5.0), (2.0, 1.0, 5.0), (1.0, 2.0, 5.0)]);
+    let mut step = vec![DVec3::ZERO; 6];
+    step[3..].iter_mut().for_each(|d| d.z = -1000.0);
+    let most = SelfCollide::of_mesh(&two_triangles(), OPTIONS).largest_step(&x, &step);
+    // 4 mm of room.
+    assert!(1000.0 * most >= 0.9 * 4.0 - 1e-9 && 1000.0 * most < 4.0, "{most}");
+}
+
+fn positions(mesh: &FlatMesh, f: impl Fn(DVec2) -> DVec3) -> Vec<DVec3> {
+    mesh.vertices.iter().map(|p| f(*p)).collect()
+}
+
+/// A sheet of 1 mm meshed much finer and rolled to any radius feels nothing up to half a turn.
+#[test]
+fn bending_up_to_half_a_turn_meets_no_barrier_and_rolling_up_does() {
+    let mesh = strip(40, 6, 0.3);
+    let collide = SelfCollide::of_mesh(&mesh, OPTIONS);
+    let rolled = |r: f64| positions(&mesh, |p| DVec3::new(r * (p.x / r).sin(), p.y, r - r * (p.x / r).cos()));
+    for r in [1e6, 30.0, 12.0 / std::f64::consts::PI] {
+        assert_eq!(collide.energy(&rolled(r)), 0.0, "radius {r}");
+        assert!(collide.contacts(&rolled(r), 0.0).is_empty());
+    }
+    // Nearly a full turn: the ends come within 0.5 mm of each other.
+    assert_eq!(collide.energy(&rolled(12.5 / std::f64::consts::TAU)), f64::INFINITY);
+    assert!(collide.energy(&rolled(13.3 / std::f64::consts::TAU)).is_finite());
+    assert!(collide.energy(&rolled(13.3 / std::f64::consts::TAU)) > 0.0);
+}
+
+/// Two layers of one strip, `gap` mm apart, by a fold in its middle.
+fn doubled(mesh: &FlatMesh, gap: f64) -> Vec<DVec3> {
+    let (middle, r) = (15.0, 0.5 * gap);
+    positions(mesh, |p| {
+        let off = p.x - middle;
+        let half = 0.5 * std::f64::consts::PI * r;
+        if off.abs() <= half {
+            let a = off / r;
+            DVec3::new(r * a.cos(), p.y, r * a.sin())
+        } else {
+            DVec3::new(half - off.abs(), p.y, r * off.signum())
+        }
+    })
+}
+
+#[test]
+fn layers_push_each_other_from_the_contact_distance_on() {
+    let mesh = strip(30, 4, 1.0);
+    let collide = SelfCollide::of_mesh(&mesh, OPTIONS);
+    assert_eq!(collide.energy(&doubled(&mesh, 1.6)), 0.0);
+    let [far, near] = [1.4, 1.1].map(|gap| collide.energy(&doubled(&mesh, gap)));
+    assert!(near > far && far > 0.0 && near.is_finite(), "{near} {far}");
+    assert_eq!(collide.energy(&doubled(&mesh, 0.9)), f64::INFINITY);
+    let clearance = |gap: f64| {
+        let sheet =
+            FoldedSheet { mesh: mesh.clone(), positions: doubled(&mesh, gap), solve: SolveRecord::default() };
+        self_clearance(&sheet, 1.0, 2.0)
+    };
+    assert!(clearance(3.0).is_none());
+    for gap in [1.5, 0.7] {
+        let found = clearance(gap).unwrap();
+        assert!((found.distance_mm - gap).abs() < 0.12 * gap, "{found:?}");
+        // Opposite places of the two layers.
+        assert!((found.at[0].x + found.at[1].x - 30.0).abs() < 2.5, "{found:?}");
+    }
+}
+
+/// What was found before changes no result.
+#[test]
+fn a_used_goal_and_a_new_one_agree_to_the_bit() {
+    let mesh = strip(30, 4, 1.0);
+    let used = SelfCollide::of_mesh(&mesh, OPTIONS);
+    for k in 0..40 {
+        let gap = 1.05 + 0.02 * f64::from(k);
+        let x = doubled(&mesh, gap);
+        let new = SelfCollide::of_mesh(&mesh, OPTIONS);
+        assert_eq!(used.energy(&x), new.energy(&x));
+        assert_eq!(used.contacts(&x, 0.25), new.contacts(&x, 0.25));
+        let step = shaken(x.len(), k as usize, 0.3);
+        assert_eq!(used.largest_step(&x, &step), new.largest_step(&x, &step));
+        let half: Vec<DVec3> = x.iter().zip(&step).map(|(x, d)| *x + 0.37 * *d).collect();
+        assert_eq!(used.energy(&half), SelfCollide::of_mesh(&mesh, OPTIONS).energy(&half));
+    }
+}
+
+#[test]
+fn positions_that_are_no_numbers_give_no_number() {
+    let mesh = two_triangles();
+    let collide = SelfCollide::of_mesh(&mesh, OPTIONS);
+    assert!(collide.energy(&[DVec3::NAN; 6]).is_nan());
+    assert_eq!(collide.largest_step(&[DVec3::ZERO; 6], &[DVec3::NAN; 6]), 1.0);
+}
