@@ -1,6 +1,7 @@
 //! Sheets that would fold through themselves or through each other, with every accepted step looked at by brute force.
 
 use crate::goal::{Curvature, Gradient, HessianSink, Moves, Part};
+use crate::relax::Momentum;
 use crate::testing::{crossings, folded_strip, strip};
 use crate::{
     Goal, LbfgsOptions, Load, OnPlane, RelaxOptions, SelfCollide, SelfCollideOptions, SheetMaterial,
@@ -180,7 +181,8 @@ fn eq_4_does_not_tunnel_either() {
     let (mesh, start) = two_sheets(4.0);
     let mut goals = pushed(&mesh, &start);
     goals.push(collide(&mesh));
-    let options = RelaxOptions { momentum: 0.9, max_iterations: 1000, ..RelaxOptions::default() };
+    let options =
+        RelaxOptions { momentum: Momentum::Share(0.9), max_iterations: 1000, ..RelaxOptions::default() };
     let spy = Spy::default();
     goals.push(Box::new(spy.clone()));
     let sheet = fold(&mesh, &goals, &start, &Solver::Relax(options), &mut |_| ()).unwrap();

@@ -25,7 +25,12 @@ mod multilevel_tests;
 pub mod newton;
 mod objective;
 mod order;
+mod patch;
+#[cfg(test)]
+mod plate_tests;
 pub mod relax;
+#[cfg(test)]
+mod relax_tests;
 #[cfg(test)]
 mod rest_tests;
 pub mod schedule;
@@ -43,11 +48,11 @@ pub use address::{
 pub use analyse::{Verdict, analyse};
 pub use goal::{
     Anchor, Area, ClampLength, Clearance, CoPlanar, EARTH_GRAVITY, EdgeLengths, Floor, Glue, Goal, Hinges,
-    Load, OnCurve, OnMesh, OnPlane, Part, Scales, SelfCollide, SelfCollideOptions, SpaceCurve, SphereCollide,
-    TargetError, TriangleMesh, self_clearance,
+    Load, OnCurve, OnMesh, OnPlane, Part, Plate, Scales, SelfCollide, SelfCollideOptions, SpaceCurve,
+    SphereCollide, TargetError, TriangleMesh, self_clearance,
 };
 pub use lbfgs::LbfgsOptions;
-pub use material::{FREE_FACTOR, SheetMaterial};
+pub use material::{FREE_FACTOR, FaceBending, SheetMaterial};
 pub use multilevel::{Carry, Level, Pyramid, fold_multilevel};
 pub use newton::NewtonOptions;
 pub use objective::Objective;

@@ -18,6 +18,11 @@
 //! The in-plane stiffness does not depend on the mesh, the bending stiffness does: the same weights on a mesh twice as
 //! fine are a sheet half as thick. The authors' weights with ν = 0.3 and L = 20 mm are E t = 5774 N/mm and
 //! D = 43,301 N·mm: a sheet of 9.05 mm with E = 638 MPa whose fold lines are a fifth as stiff as its faces.
+//!
+//! Both are hinges, and on other meshes than equilateral ones a sum over hinges is not the bending energy of a plate, however fine
+//! the mesh. Where D must be right, take the material with [`FaceBending::Plate`](crate::FaceBending::Plate), which weights do not
+//! have. In a project file `[fold.weights]` takes the place of `[material]`'s strengths, and `material.bending = "plate"` is the other
+//! choice.
 
 use crate::SheetMaterial;
 use crate::goal::{EdgeLengths, Goal, Hinges};

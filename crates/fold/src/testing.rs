@@ -70,3 +70,42 @@ fn site(p: DVec2, w: f64, l: f64) -> Site {
     };
     Site::Boundary { loop_id: LoopId(0), s_mm }
 }
+
+/// The same sheet with its points shaken along the boundary and inside, and each square cut along either diagonal, as chance has
+/// it: triangles of very different shapes, however small `h` is.
+pub(crate) fn irregular(columns: usize, rows: usize, h: f64, seed: u64) -> FlatMesh {
+    /// How far a point is shaken, share of h; a square stays convex up to a quarter.
+    const SHAKE: f64 = 0.24;
+    let mut chance = Chance(seed);
+    let (w, l) = (columns as f64 * h, rows as f64 * h);
+    let grid = strip(columns, rows, h);
+    let shaken = |p: &DVec2| {
+        let by = SHAKE * h * DVec2::new(chance.next(), chance.next());
+        let free = DVec2::new(f64::from(p.x > 0.0 && p.x < w), f64::from(p.y > 0.0 && p.y < l));
+        *p + by * free
+    };
+    let vertices: Vec<DVec2> = grid.vertices.iter().map(shaken).collect();
+    let at = |i: usize, j: usize| VertexId::new(i * (rows + 1) + j);
+    let triangles = (0..columns)
+        .flat_map(|i| (0..rows).map(move |j| (i, j)))
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            if chance.next() < 0.0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+        })
+        .collect();
+    let sites = vertices.iter().map(|p| site(*p, w, l)).collect();
+    FlatMesh::new(vertices, sites, triangles, |_, boundary| match boundary {
+        true => EdgeClass::Boundary { loop_id: LoopId(0) },
+        false => EdgeClass::Facet,
+    })
+}
+
+/// Numbers from −1 to 1 that look random and are the same for the same seed (a 64-bit linear congruence, Knuth's constants).
+pub(crate) struct Chance(pub(crate) u64);
+
+impl Chance {
+    pub(crate) fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}

@@ -2,13 +2,13 @@
 
 use crate::RunError;
 use crate::project::{
-    Anchor as AnchorEntry, Band, OnCrease, OnOutline, Place, Plane, Scan, Spot, line_of_entry,
+    Anchor as AnchorEntry, Band, Bending, OnCrease, OnOutline, Place, Plane, Scan, Spot, line_of_entry,
 };
 use crate::stages::Loaded;
 use softfold_fold::{
-    AlongCurve, Anchor, Area, ClampLength, CoPlanar, EARTH_GRAVITY, Floor, Glue, Goal, Load, OnCurve, OnMesh,
-    OnPlane, SelfCollide, SelfCollideOptions, SheetMaterial, SheetPoint, SpaceCurve, SphereCollide,
-    TriangleMesh, boundary_vertices, in_region, locate, on_crease, on_outline,
+    AlongCurve, Anchor, Area, ClampLength, CoPlanar, EARTH_GRAVITY, FaceBending, Floor, Glue, Goal, Load,
+    OnCurve, OnMesh, OnPlane, SelfCollide, SelfCollideOptions, SheetMaterial, SheetPoint, SpaceCurve,
+    SphereCollide, TriangleMesh, Weights, boundary_vertices, in_region, locate, on_crease, on_outline,
 };
 use softfold_geometry::{CreasePattern, DVec2, DVec3, FlatMesh, LoopId};
 use softfold_kernel::openmesh;
@@ -109,7 +109,7 @@ pub fn goals(
 ) -> Result<Vec<Box<dyn Goal>>, RunError> {
     let fold = &loaded.project.fold;
     let sheet = Sheet { mesh, pattern };
-    let mut goals = elastic(loaded).goals(mesh);
+    let mut goals = elastic(loaded, mesh);
     for (index, a) in fold.anchors.iter().enumerate() {
         goals.push(anchor(&Entry { loaded, sheet, array: "fold.anchors", index, name: &a.name }, a)?);
     }
@@ -188,12 +188,25 @@ fn scan(entry: &Entry<'_>, s: &Scan) -> Result<Box<dyn Goal>, RunError> {
 fn self_collision(loaded: &Loaded) -> SelfCollideOptions {
     let wanted = &loaded.project.fold.self_collision;
     let thickness_mm = wanted.thickness_mm.unwrap_or(loaded.project.board.thickness_mm);
-    let stiffness = wanted.stiffness.unwrap_or_else(|| elastic(loaded).bending_stiffness());
+    let stiffness = wanted.stiffness.unwrap_or_else(|| material(loaded).bending_stiffness());
     let usual = SelfCollideOptions::of_thickness(thickness_mm, stiffness);
     SelfCollideOptions { reach_mm: wanted.reach_mm.unwrap_or(usual.reach_mm), ..usual }
 }
 
-fn elastic(loaded: &Loaded) -> SheetMaterial {
+/// The sheet's own elasticity: by weights if the project gives them, else by its material.
+fn elastic(loaded: &Loaded, mesh: &FlatMesh) -> Vec<Box<dyn Goal>> {
+    if let Some(w) = &loaded.project.fold.weights {
+        let weights = Weights { stretching: w.stretching, bending: w.bending, folding: w.folding };
+        return weights.goals(mesh);
+    }
+    let faces = match loaded.project.material.bending {
+        Bending::Hinges => FaceBending::Hinges,
+        Bending::Plate => FaceBending::Plate,
+    };
+    material(loaded).goals_by(mesh, faces)
+}
+
+fn material(loaded: &Loaded) -> SheetMaterial {
     let material = &loaded.project.material;
     SheetMaterial {
         youngs_modulus_mpa: material.youngs_modulus_mpa,

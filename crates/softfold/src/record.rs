@@ -114,7 +114,7 @@ fn fold(results: &Results, f: &FoldResult) -> json::Fold {
         name: g.name.clone(),
         kind: g.kind.to_owned(),
         energy: g.energy,
-        residual_mm: (g.kind != "Hinge").then_some(g.residual),
+        residual_mm: (!["Hinge", "Plate"].contains(&g.kind)).then_some(g.residual),
     };
     let mut fold = json::Fold {
         solver: solve.solver.clone(),

@@ -3,6 +3,7 @@
 mod anchor;
 mod area;
 mod attract;
+mod bend;
 mod clamp_length;
 mod co_planar;
 mod edge_lengths;
@@ -23,6 +24,7 @@ pub(crate) mod testing;
 pub use anchor::Anchor;
 pub use area::Area;
 pub use attract::{Attract, Nearest, Target, TargetError};
+pub use bend::Plate;
 pub use clamp_length::ClampLength;
 pub use co_planar::{COUPLED_POINTS, CoPlanar};
 pub use edge_lengths::EdgeLengths;

@@ -61,6 +61,7 @@ fn sheet_goals(mesh: &FlatMesh) -> Vec<Box<dyn Goal>> {
         Box::new(EdgeLengths::of_mesh(mesh, |e| 3.0 + e.index() as f64)),
         Box::new(Hinges::of_mesh(mesh, "hinges", |e, _| Some((0.4, 2.0 + e.index() as f64)))),
         Box::new(Area::of_mesh(mesh, 4.0)),
+        Box::new(Plate::of_mesh(mesh, 3.0, 0.3)),
     ]
 }
 

@@ -77,6 +77,20 @@ pub struct Fold {
     pub schedule: Vec<Step>,
     /// `[fold.release]`
     pub release: Option<Release>,
+    /// `[fold.weights]`
+    pub weights: Option<Weights>,
+}
+
+/// `[fold.weights]`: strengths as in Kangaroo, in place of the material's.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Weights {
+    /// Of edges keeping their lengths.
+    pub stretching: f64,
+    /// Of faces staying flat.
+    pub bending: f64,
+    /// Of fold lines holding their turns.
+    pub folding: f64,
 }
 
 /// `[[fold.anchors]]`
@@ -351,6 +365,10 @@ impl Fold {
         if let Some(c) = &self.collide {
             all.push(Number::new("fold.collide", "diameter_mm", c.diameter_mm, Range::Positive));
             all.push(Number::new("fold.collide", "stiffness", c.stiffness, Range::NotNegative));
+        }
+        if let Some(w) = &self.weights {
+            let keys = [("stretching", w.stretching), ("bending", w.bending), ("folding", w.folding)];
+            all.extend(keys.map(|(key, value)| Number::new("fold.weights", key, value, Range::Positive)));
         }
         all
     }

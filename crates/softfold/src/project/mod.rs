@@ -8,7 +8,9 @@ mod read;
 mod soften;
 
 pub use course::{Release, SelfCollision, Step};
-pub use fold::{Anchor, Band, CoPlanar, Collide, Floor, Fold, Glue, Load, Plane, Rail, Scan, Solver, Start};
+pub use fold::{
+    Anchor, Band, CoPlanar, Collide, Floor, Fold, Glue, Load, Plane, Rail, Scan, Solver, Start, Weights,
+};
 pub use number::{line_of, line_of_entry, line_of_header};
 pub use place::{OnCrease, OnOutline, Place, Region, Spot};
 pub use read::{Outline, Read, Roles};
@@ -92,6 +94,17 @@ impl Default for Mesh {
     }
 }
 
+/// `material.bending`
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Bending {
+    /// A hinge at each edge of a face.
+    #[default]
+    Hinges,
+    /// A plate's bending energy, which converges.
+    Plate,
+}
+
 /// `[material]`
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -104,6 +117,8 @@ pub struct Material {
     pub density_kg_m3: f64,
     /// Stiffness of fold lines over that of faces.
     pub fold_line_factor: f64,
+    /// How faces resist bending.
+    pub bending: Bending,
     /// Smallest radius of a skin, mm.
     pub min_radius_mm: Option<f64>,
     /// Largest strain of the outer fibre.
@@ -118,6 +133,7 @@ impl Default for Material {
             poisson_ratio: 0.25,
             density_kg_m3: 1750.0,
             fold_line_factor: 10.0,
+            bending: Bending::Hinges,
             min_radius_mm: None,
             strain_limit: None,
         }
@@ -275,7 +291,17 @@ impl Project {
         }
         self.roles.check(text)?;
         self.soften.check(text)?;
+        self.check_strengths(text)?;
         self.fold.check(text)
+    }
+
+    /// Weights are of hinges alone.
+    fn check_strengths(&self, text: &str) -> Result<(), ProjectFault> {
+        if self.fold.weights.is_none() || self.material.bending == Bending::Hinges {
+            return Ok(());
+        }
+        let message = "material.bending = \"plate\" needs the material, but [fold.weights] takes its place; give one of the two";
+        Err(ProjectFault { line: line_of(text, "material", "bending"), message: message.to_owned() })
     }
 
     /// Every number that must lie in a range.
@@ -334,6 +360,17 @@ mod tests {
         let fault = Project::parse(&LEAST.replace("[board]\n", "[board]\ncolour = 1\n")).unwrap_err();
         assert_eq!(fault.line, Some(5));
         assert!(fault.message.contains("colour"), "{}", fault.message);
+    }
+
+    #[test]
+    fn weights_are_numbers_and_have_no_plate_beside_them() {
+        let weights = "[fold.weights]\nstretching = 5000\nbending = 1000\nfolding = 200\n";
+        assert!(Project::parse(&format!("{LEAST}{weights}")).unwrap().fold.weights.is_some());
+        let fault =
+            Project::parse(&format!("{LEAST}[material]\nbending = \"plate\"\n{weights}")).unwrap_err();
+        assert!(fault.line == Some(7) && fault.message.contains("[fold.weights]"), "{fault:?}");
+        let fault = Project::parse(&format!("{LEAST}{}", weights.replace("200", "-1"))).unwrap_err();
+        assert!(fault.line == Some(9) && fault.message.contains("folding"), "{fault:?}");
     }
 
     #[test]
