@@ -11,7 +11,9 @@
 mod shared;
 
 use shared::{files, say, shared};
+use softfold::crosscheck;
 use softfold_geometry::{CreasePattern, Role, Severity};
+use softfold_mesh::MeshOptions;
 use softfold_pattern::{Format, PatternFile, ReadOptions, Refused, read};
 use softfold_soften::{CreaseSoftness, Segments, soften};
 use std::collections::BTreeMap;
@@ -169,4 +171,53 @@ fn every_pattern_is_softened_sharply_and_softly_or_refused_with_the_largest_radi
     table.iter().for_each(|(what, count)| say(&format!("{count:>6}  {what}")));
     let of = |what: &str| table.get(what).copied().unwrap_or(0);
     assert_eq!(of("sharp: refused"), 0, "a sharp fold needs no room");
+}
+
+/// Share of the sheet's size to which meshes of other people's patterns are made for the cross-check.
+const EDGE: f64 = 0.05;
+/// Patterns that take longer are named.
+const SLOW_S: f64 = 5.0;
+
+/// spade and CGAL agree on the lines of every pattern that reads, and on its mesh with sharp creases.
+#[test]
+fn spade_and_cgal_agree_on_every_pattern_that_reads() {
+    let Some(all) = outcomes("spade_and_cgal_agree_on_every_pattern_that_reads") else { return };
+    let mut table: BTreeMap<String, usize> = BTreeMap::new();
+    let mut count = |what: &str| *table.entry(what.to_owned()).or_default() += 1;
+    for o in &all {
+        let Ok(file) = &o.read else { continue };
+        let start = Instant::now();
+        let lines = crosscheck::of_lines(&file.pattern).unwrap_or_else(|e| panic!("{}: {e}", o.name));
+        assert!(lines.agrees(), "{}: {lines:?}", o.name);
+        count("lines agree");
+        if lines.marginal > 0 {
+            count("lines with meetings at the tolerance");
+        }
+        let soft = soften(&file.pattern, &softness(&file.pattern, 0.0))
+            .unwrap_or_else(|e| panic!("{}: {e}", o.name));
+        let options = MeshOptions {
+            target_edge_mm: EDGE * file.pattern.size_mm(),
+            relaxation_rounds: 2,
+            ..MeshOptions::default()
+        };
+        match softfold_mesh::mesh(&soft, &options) {
+            Ok(meshed) => {
+                let check =
+                    softfold_mesh::crosscheck(&meshed.graph).unwrap_or_else(|e| panic!("{}: {e}", o.name));
+                assert!(check.agrees(), "{}: {check:?}", o.name);
+                count("mesh agrees");
+            }
+            Err(error) => {
+                say(&format!("  {}: {error}", o.name));
+                count("mesh refused");
+            }
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        if seconds > SLOW_S {
+            say(&format!("  {}: {seconds:.1} s", o.name));
+        }
+    }
+    table.iter().for_each(|(what, n)| say(&format!("{n:>6}  {what}")));
+    let of = |what: &str| table.get(what).copied().unwrap_or(0);
+    assert!(of("mesh agrees") > of("mesh refused"), "{table:?}");
 }

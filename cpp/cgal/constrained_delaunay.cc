@@ -39,6 +39,8 @@ using Vertex = Triangulation::Vertex_handle;
 class Work {
 public:
   explicit Work(Numbers numbers) {
+    // Of a lazy number CGAL else gives 5 digits: nearly parallel constraints then cross that far off.
+    CGAL::Lazy_exact_nt<Kernel::FT::ET>::set_relative_precision_of_to_double(std::numeric_limits<double>::epsilon() / 2);
     insert_points(numbers);
     for (const Vertex vertex : inputs) append(flat.index_of_input, number(vertex));
   }

@@ -11,6 +11,8 @@ mod bridge;
 mod buffers;
 mod check;
 mod error;
+mod mesh_file;
+mod ply_file;
 
 pub mod cgal;
 pub mod occt;

@@ -145,3 +145,106 @@ fn bad_files_and_meshes_are_errors() {
     double.triangles.push(double.triangles[0]);
     assert!(openmesh::decimate(double.view(), 0.1).is_err());
 }
+
+/// One file of each format, with the same box.
+fn box_files() -> Vec<(&'static str, Vec<u8>)> {
+    let cube = box_mesh([0.0; 3], [10.0; 3]);
+    let line = |start: &str, numbers: Vec<String>| format!("{start}{}\n", numbers.join(" "));
+    let vertices = |start: &str| {
+        cube.positions.iter().map(|p| line(start, p.iter().map(f64::to_string).collect())).collect::<String>()
+    };
+    let faces = |start: &str, first: u32| {
+        let face = |t: &[u32; 3]| line(start, t.iter().map(|i| (i + first).to_string()).collect());
+        cube.triangles.iter().map(face).collect::<String>()
+    };
+    let (v, t) = (cube.positions.len(), cube.triangles.len());
+    let ply = format!(
+        "ply\nformat ascii 1.0\nelement vertex {v}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {t}\nproperty list uchar int vertex_indices\nend_header\n{}{}",
+        vertices(""),
+        faces("3 ", 0)
+    );
+    let mut binary =
+        ply[..ply.find("end_header").unwrap()].replace("ascii", "binary_little_endian").into_bytes();
+    binary.extend(b"end_header\n");
+    cube.positions.iter().flatten().for_each(|x| binary.extend((*x as f32).to_le_bytes()));
+    for t in &cube.triangles {
+        binary.push(3);
+        t.iter().for_each(|i| binary.extend(i.to_le_bytes()));
+    }
+    let mut stl = vec![b' '; 80];
+    stl.extend((t as u32).to_le_bytes());
+    for t in &cube.triangles {
+        stl.extend([0; 12]);
+        t.iter().flat_map(|&i| cube.positions[i as usize]).for_each(|x| stl.extend((x as f32).to_le_bytes()));
+        stl.extend([0; 2]);
+    }
+    vec![
+        ("a.obj", format!("{}{}", vertices("v "), faces("f ", 1)).into_bytes()),
+        ("a.off", format!("OFF\n{v} {t} 0\n{}{}", vertices(""), faces("3 ", 0)).into_bytes()),
+        ("a.ply", ply.into_bytes()),
+        ("b.ply", binary),
+        ("a.stl", stl),
+    ]
+}
+
+/// Files cut off anywhere and with bytes changed are read or refused with a mend: no crash, no exception, no long wait.
+#[test]
+fn files_that_are_cut_off_or_spoilt_are_read_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in box_files() {
+        let path = folder.path().join(name);
+        let mut refused = 0;
+        let mut try_it = |bytes: &[u8]| {
+            fs::write(&path, bytes).unwrap();
+            if let Err(error) = openmesh::read(&path) {
+                assert!(matches!(error, KernelError::File { .. }), "{name}: {error}");
+                refused += 1;
+            }
+        };
+        try_it(&bytes);
+        let step = bytes.len() / 40 + 1;
+        (0..bytes.len()).step_by(step).for_each(|cut| try_it(&bytes[..cut]));
+        for at in (0..bytes.len()).step_by(step) {
+            for value in [0, b'-', b'9', 0xff] {
+                let mut spoilt = bytes.clone();
+                spoilt[at] = value;
+                try_it(&spoilt);
+            }
+        }
+        assert!(refused >= 10, "{name}: {refused} refused");
+        fs::write(&path, &bytes).unwrap();
+        let whole = openmesh::read(&path).unwrap();
+        assert_eq!((whole.triangles.len(), refused > 0), (12, true), "{name}");
+    }
+}
+
+#[test]
+fn a_file_that_holds_less_than_it_says_is_refused_with_its_counts() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in box_files().into_iter().filter(|(n, _)| *n != "a.obj") {
+        let path = folder.path().join(name);
+        fs::write(&path, &bytes[..bytes.len() * 9 / 10]).unwrap();
+        let error = openmesh::read(&path).unwrap_err().to_string();
+        assert!(error.contains(" 12") && error.contains("cut off"), "{error}");
+    }
+    let path = folder.path().join("far.off");
+    fs::write(&path, "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 9\n").unwrap();
+    let error = openmesh::read(&path).unwrap_err().to_string();
+    assert!(error.contains("line 7") && error.contains("3 vertices"), "{error}");
+}
+
+#[test]
+fn stray_pieces_are_dropped_by_their_area() {
+    let mut mesh = box_mesh([0.0; 3], [10.0; 3]);
+    let stray = box_mesh([50.0; 3], [50.5; 3]);
+    let base = mesh.positions.len() as u32;
+    mesh.positions.extend(&stray.positions);
+    mesh.triangles.extend(stray.triangles.iter().map(|t| t.map(|i| i + base)));
+    // Areas 600 and 1.5: a share of 1/400.
+    let kept = openmesh::without_strays(mesh.view(), 0.01).unwrap();
+    assert_eq!((kept.pieces, kept.dropped_pieces, kept.dropped_triangles), (2, 1, 12));
+    assert_eq!((kept.mesh.positions.len(), kept.mesh.triangles.len()), (8, 12));
+    assert_eq!(openmesh::without_strays(mesh.view(), 0.002).unwrap().mesh, mesh);
+    assert!(openmesh::without_strays(mesh.view(), 1.5).is_err());
+}

@@ -76,22 +76,26 @@ pub struct Triangulated {
 /// # Errors
 /// Constraints that cross, or points that a backend refuses.
 pub fn triangulate(graph: &PlanarGraph, backend: Backend) -> Result<Triangulated, MeshError> {
-    let triangles = match backend {
-        Backend::Spade => spade_triangles(graph)?,
-        Backend::Cgal => {
-            on_sheet(graph.points.len(), boundary(graph).map(|(e, _)| *e), cgal_triangles(graph)?)
-        }
-    };
-    Ok(Triangulated { triangles: canonical(graph.points.len(), &triangles) })
+    let sheet = backend.library().sheet(graph)?;
+    Ok(Triangulated { triangles: canonical(graph.points.len(), &sheet) })
 }
 
 /// One point of so many along the curve is inserted before all others: the coarse triangulation that they fall into
 /// spares flips (a biased order of insertion in two rounds; Amenta, Choi, Rote 2003).
 const COARSE: usize = 32;
 
+/// Triangles of the hull with vertices numbered in the order of insertion.
+pub(crate) struct Inserted {
+    triangles: Vec<[VertexId; 3]>,
+    /// The point of the graph that each vertex is.
+    inputs: Vec<u32>,
+    /// The other way round.
+    inserted: Vec<u32>,
+}
+
 /// Points come along a Hilbert curve: each is found at once from the one before it, and what belongs together lies
 /// together in memory. At a million points that takes a quarter of the time of spade's own bulk load.
-fn spade_triangles(graph: &PlanarGraph) -> Result<Vec<[VertexId; 3]>, MeshError> {
+pub(crate) fn spade_hull(graph: &PlanarGraph) -> Result<Inserted, MeshError> {
     let along = order::along_hilbert(&graph.points);
     let coarse = along.iter().step_by(COARSE);
     let fine = along.iter().enumerate().filter(|(i, _)| i % COARSE != 0).map(|(_, v)| v);
@@ -108,11 +112,28 @@ fn spade_triangles(graph: &PlanarGraph) -> Result<Vec<[VertexId; 3]>, MeshError>
     }
     let ends = |e: &[VertexId; 2]| e.map(|v| inserted[v.index()]);
     constrain(&mut cdt, graph, ends)?;
-    let hull = cdt.inner_faces().map(|f| f.vertices().map(|v| VertexId::new(v.fix().index()))).collect();
-    drop(cdt);
-    let mut triangles = on_sheet(inputs.len(), boundary(graph).map(|(e, _)| ends(e).map(VertexId)), hull);
-    triangles.iter_mut().for_each(|t| *t = t.map(|v| VertexId(inputs[v.index()])));
-    Ok(triangles)
+    let triangles = cdt.inner_faces().map(|f| f.vertices().map(|v| VertexId::new(v.fix().index()))).collect();
+    Ok(Inserted { triangles, inputs, inserted })
+}
+
+impl Inserted {
+    /// Whether there is no triangle.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// Those of the sheet.
+    pub(crate) fn of_sheet(mut self, graph: &PlanarGraph) -> Self {
+        let ends = boundary(graph).map(|(e, _)| e.map(|v| VertexId(self.inserted[v.index()])));
+        self.triangles = on_sheet(self.inputs.len(), ends, self.triangles);
+        self
+    }
+
+    /// The triangles by the points of the graph.
+    pub(crate) fn by_input(mut self) -> Vec<[VertexId; 3]> {
+        self.triangles.iter_mut().for_each(|t| *t = t.map(|v| VertexId(self.inputs[v.index()])));
+        self.triangles
+    }
 }
 
 type Spade = ConstrainedDelaunayTriangulation<Point2<f64>>;
@@ -158,7 +179,7 @@ fn crossing(graph: &PlanarGraph, refused: [VertexId; 2]) -> MeshError {
     MeshError::Triangulation(format!("edge {a}-{b} cannot be kept"))
 }
 
-fn cgal_triangles(graph: &PlanarGraph) -> Result<Vec<[VertexId; 3]>, MeshError> {
+pub(crate) fn cgal_triangles(graph: &PlanarGraph) -> Result<Vec<[VertexId; 3]>, MeshError> {
     let points: Vec<[f64; 2]> = graph.points.iter().map(|p| p.to_array()).collect();
     let edges: Vec<[u32; 2]> = graph.constraints.iter().map(|(e, _)| e.map(|v| v.0)).collect();
     let cdt = softfold_kernel::cgal::constrained_delaunay(&points, &edges)?;
@@ -168,12 +189,12 @@ fn cgal_triangles(graph: &PlanarGraph) -> Result<Vec<[VertexId; 3]>, MeshError> 
     Ok(cdt.triangles.iter().map(|t| t.map(VertexId)).collect())
 }
 
-fn boundary(graph: &PlanarGraph) -> impl Iterator<Item = &([VertexId; 2], Constraint)> {
+pub(crate) fn boundary(graph: &PlanarGraph) -> impl Iterator<Item = &([VertexId; 2], Constraint)> {
     graph.constraints.iter().filter(|c| matches!(c.1, Constraint::Boundary { .. }))
 }
 
 /// Keeps the triangles of the sheet: those reached from a boundary edge on its left side without crossing a boundary.
-fn on_sheet(
+pub(crate) fn on_sheet(
     vertices: usize,
     boundary: impl Iterator<Item = [VertexId; 2]>,
     hull: Vec<[VertexId; 3]>,

@@ -4,6 +4,7 @@
 //! relaxation with crease and outline points held. Bands are meshed in rows along their strips, so no
 //! triangle crosses a fold line; edges know their fold line from the constraint they came from.
 
+mod backend;
 mod background;
 mod boundary;
 mod cdt;
@@ -12,12 +13,15 @@ mod crosscheck;
 mod edges;
 mod gaps;
 mod graph;
+mod grid;
 mod inside;
 mod interior;
 mod locate;
 mod mend;
 mod net;
+mod noding;
 mod order;
+mod paper;
 mod places;
 mod quality;
 mod refine;
@@ -35,9 +39,11 @@ mod topology;
 mod tracks;
 mod transfer;
 
+pub use backend::{Arranged, Triangulate};
 pub use cdt::{Backend, Constraint, PlanarGraph, Triangulated, triangulate};
-pub use crosscheck::{Crosscheck, crosscheck};
+pub use crosscheck::{Crosscheck, CrossingCheck, crosscheck, crosscheck_crossing};
 pub use locate::Locator;
+pub use noding::{Noded, noded};
 pub use quality::{Inspection, Quality, SharpPlace, Sharpness, quality};
 pub use tracks::Curve;
 pub use transfer::{transfer, transfer_smooth};
@@ -50,9 +56,21 @@ use refine::Planar;
 use softfold_geometry::{CheckError, FlatMesh, Site, SoftPattern};
 use stretch::stretches;
 
+/// How points are placed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Rows along bands, edges that grow away from them, small angles mended.
+    #[default]
+    Graded,
+    /// The paper's steps as they are: random points, removed near curves, relaxed.
+    Paper,
+}
+
 /// Options of the mesher.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshOptions {
+    /// How points are placed.
+    pub method: Method,
     /// Edge length wished for away from bands, mm.
     pub target_edge_mm: f64,
     /// Length of a triangle along a band over its strip's width.
@@ -77,6 +95,7 @@ pub struct MeshOptions {
 impl Default for MeshOptions {
     fn default() -> Self {
         Self {
+            method: Method::Graded,
             target_edge_mm: 20.0,
             band_aspect: 1.4,
             narrow_aspect: 1.8,
@@ -172,6 +191,9 @@ const VERTEX_DENSITY: f64 = 1.1547;
 /// [`MeshError`]: options out of range, constraints that cross, too many vertices.
 pub fn mesh(soft: &SoftPattern, options: &MeshOptions) -> Result<Meshed, MeshError> {
     check_options(soft, options)?;
+    if options.method == Method::Paper {
+        return paper::mesh(soft, options);
+    }
     let boundaries = Boundaries::new(soft, options, shortest_row_mm(soft, options));
     let sizes = size::SizeField::new(soft, options, &graph::pieces(soft, &boundaries));
     let mut planar = GraphBuilder::new(soft, options, &boundaries, &sizes).build();
@@ -186,8 +208,14 @@ pub fn mesh(soft: &SoftPattern, options: &MeshOptions) -> Result<Meshed, MeshErr
     planar.sites.resize(graph.points.len(), Site::Interior);
     let weight = if sizes.is_steep() { relax::Weight::Same } else { relax::Weight::Area };
     let triangulated = triangulate(graph, options.backend)?;
-    improve(graph, held, &triangulated, options.relaxation_rounds, weight);
+    let mut net = relaxed(graph, held, &triangulated, options.relaxation_rounds, weight);
+    mend::mend(&mut graph.points, held, &mut net);
     refine::refine(&mut planar, options, shortest_row_mm(soft, options))?;
+    finished(soft, planar, options)
+}
+
+/// Triangulated for good, inspected, opened along slits and classified.
+fn finished(soft: &SoftPattern, planar: Planar<'_>, options: &MeshOptions) -> Result<Meshed, MeshError> {
     let topology = refine::topology(&planar, options.backend)?;
     let inspection = quality::inspect(&planar, &topology, options.target_edge_mm);
     let Planar { graph, sites, .. } = planar;
@@ -197,14 +225,14 @@ pub fn mesh(soft: &SoftPattern, options: &MeshOptions) -> Result<Meshed, MeshErr
     Ok(Meshed { mesh, graph, inspection })
 }
 
-/// Relaxes the points from number `held` on and mends small angles.
-fn improve(
+/// Relaxes the points from number `held` on; the constrained Delaunay triangles of where they end.
+fn relaxed(
     graph: &mut PlanarGraph,
     held: usize,
     triangulated: &Triangulated,
     rounds: u32,
     weight: relax::Weight,
-) {
+) -> Net {
     let PlanarGraph { points, constraints } = graph;
     let (mut net, rings) = Net::new(points.len(), &triangulated.triangles);
     constraints.iter().for_each(|(edge, _)| net.fix(&rings, *edge));
@@ -212,12 +240,7 @@ fn improve(
         relax::round(points, held, &net, weight);
         net.flip_to_delaunay(points, held);
     }
-    for _ in 0..mend::ROUNDS {
-        if !mend::round(points, held, &net) {
-            break;
-        }
-        net.flip_to_delaunay(points, held);
-    }
+    net
 }
 
 /// Length of the shortest rows at their widest, mm; the target's without bands.

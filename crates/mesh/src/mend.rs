@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 /// not stop right at it.
 const SMALL_DEG: f64 = 22.0;
 /// Rounds of moves and triangulation. Most triangles need one, and some cannot be mended.
-pub(crate) const ROUNDS: u32 = 6;
+const ROUNDS: u32 = 6;
 /// Directions tried around a point.
 const DIRECTIONS: u32 = 8;
 /// First step, share of the mean distance to the neighbours, and how often it is halved.
@@ -18,8 +18,18 @@ const HALVINGS: u32 = 5;
 /// Steps in all: moves that get ever better end in fewer.
 const STEPS: u32 = 40;
 
-/// Moves points from number `held` on at triangles with small angles; whether any moved.
-pub(crate) fn round(points: &mut [DVec2], held: usize, net: &Net) -> bool {
+/// Moves points from number `held` on at triangles with small angles, and flips until all is Delaunay again.
+pub(crate) fn mend(points: &mut [DVec2], held: usize, net: &mut Net) {
+    for _ in 0..ROUNDS {
+        if !round(points, held, net) {
+            break;
+        }
+        net.flip_to_delaunay(points, held);
+    }
+}
+
+/// One round; whether any moved.
+fn round(points: &mut [DVec2], held: usize, net: &Net) -> bool {
     let most = SMALL_DEG.to_radians().cos();
     let is_small = |t: &&[u32; 3]| greatest_cosine(t.map(|v| points[v as usize])) > most;
     let mut corners: Vec<u32> = net.corners().iter().filter(is_small).flatten().copied().collect();

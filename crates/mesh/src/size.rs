@@ -75,6 +75,11 @@ impl SizeField {
         Self::from_sources(sources, options)
     }
 
+    /// The target's length everywhere.
+    pub(crate) fn uniform(options: &MeshOptions) -> Self {
+        Self::from_sources(Vec::new(), options)
+    }
+
     /// From the lengths asked for at places; those beyond the target are none.
     pub(crate) fn from_sources(mut sources: Vec<Source>, options: &MeshOptions) -> Self {
         sources.retain(|s| s.data < options.target_edge_mm);

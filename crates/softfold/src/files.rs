@@ -1,13 +1,13 @@
 //! The files of a run: what there is, under which name, and what it is for.
 
 use crate::export::dxf::{Drawing, Entity, Layer, colour};
-use crate::export::{fold, obj, ply, stl, threemf};
+use crate::export::{fold, obj, off, ply, stl, threemf};
 use crate::output::Staging;
 use crate::pictures::{area_scale, on_stock, pictures, strip};
-use crate::report::{html, json};
+use crate::report::{html, json, mesh_plan::mesh_svg};
 use crate::stages::{Loaded, Results};
 use crate::{RunError, record};
-use softfold_geometry::{DVec2, DVec3, PlanarCurve, SoftPattern};
+use softfold_geometry::{DVec2, DVec3, FlatMesh, PlanarCurve, SoftPattern, TriMesh};
 use softfold_kernel::occt::{self, NamedShape, Shape, StepOptions, StepSchema};
 use softfold_kernel::{KernelError, openmesh};
 use softfold_mold::{Contour, Mold, Part, Placed, ProfileSegment, WaffleBoard};
@@ -51,6 +51,10 @@ pub fn write(loaded: &Loaded, results: &mut Results, out: &Path) -> Result<json:
 
 fn defect(error: impl std::fmt::Display) -> RunError {
     RunError::Defect(error.to_string())
+}
+
+fn crease_names(results: &Results) -> Vec<String> {
+    results.pattern.iter().flat_map(|p| &p.creases).map(|c| c.name.clone()).collect()
 }
 
 /// A place that cannot be written is the user's, the rest is ours.
@@ -131,11 +135,10 @@ impl Writer<'_> {
         let mesh = &m.meshed.mesh;
         let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect();
         let flat: Vec<DVec3> = mesh.vertices.iter().map(|p| p.extend(0.0)).collect();
-        self.add("flat.obj", "the flat mesh", obj::mesh(&self.name, &flat, &triangles))?;
+        self.flat_mesh(results, mesh, &flat, &triangles)?;
         let Some(f) = &results.fold else { return Ok(()) };
         self.add("folded.obj", "the folded mesh", obj::mesh(&self.name, &f.sheet.positions, &triangles))?;
-        let creases: Vec<String> =
-            results.pattern.iter().flat_map(|p| &p.creases).map(|c| c.name.clone()).collect();
+        let creases = crease_names(results);
         let text =
             fold::folded(&f.sheet, fold::Titles { title: &self.name, creases: &creases }).map_err(defect)?;
         self.add("folded.fold", "flat and folded mesh with creases and angles", text)?;
@@ -154,6 +157,28 @@ impl Writer<'_> {
         ];
         let bytes = ply::coloured(&self.name, &f.sheet.positions, &triangles, &colours, &scalars);
         self.add("folded.ply", "the folded mesh coloured by area error", bytes)
+    }
+
+    fn flat_mesh(
+        &mut self,
+        results: &Results,
+        mesh: &FlatMesh,
+        flat: &[DVec3],
+        triangles: &[[u32; 3]],
+    ) -> Result<(), RunError> {
+        self.add(
+            "flat.obj",
+            "the flat mesh with its fold lines and boundaries",
+            obj::flat(&self.name, mesh),
+        )?;
+        self.add("flat.ply", "the flat mesh with the class of every edge", ply::flat(&self.name, mesh))?;
+        self.add("flat.off", "the flat mesh, triangles alone", off::mesh(flat, triangles))?;
+        let solid = TriMesh { positions: flat.to_vec(), triangles: triangles.to_vec() };
+        self.add("flat.stl", "the flat mesh, triangles alone", stl::binary(&self.name, &solid))?;
+        let titles = fold::Titles { title: &self.name, creases: &crease_names(results) };
+        let text = fold::flat(mesh, titles).map_err(defect)?;
+        self.add("flat.fold", "the flat mesh with creases and turns", text)?;
+        self.add("mesh.svg", "the flat mesh coloured by what its edges are", mesh_svg(mesh))
     }
 
     fn surfaces(&mut self, results: &Results) -> Result<(), RunError> {

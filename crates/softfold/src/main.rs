@@ -4,7 +4,8 @@ use softfold::patterns::{self, WriteOptions};
 use softfold::progress::{Bars, Events, Lines, Progress, Quiet};
 use softfold::project::{Outline, Read, Roles};
 use softfold::report::{json::Report, summary};
-use softfold::{Loaded, RunError, Stage, diagnose, files, output, starter};
+use softfold::scan::{self, ScanOptions};
+use softfold::{Loaded, RunError, Stage, crosscheck, diagnose, files, output, starter};
 use softfold_pattern::{DxfVersion, PatternFile, ReadOptions};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -51,21 +52,16 @@ enum Command {
     Board(Job),
     /// Up to the mold (the same as run)
     Mold(Job),
-    /// Compare both triangulations, spade and CGAL; status 3 if they disagree
-    Crosscheck(Project),
+    /// Compare both triangulations, spade and CGAL, on the lines of a pattern or project and on its mesh; status 3 if they
+    /// disagree
+    Crosscheck(Check),
+    /// Read a scanned surface (ply, obj, stl, off), clean it, make it smaller, and write it
+    Scan(Scan),
     /// Write a commented project to begin with into a new folder
     New {
         /// The folder
         folder: PathBuf,
     },
-}
-
-#[derive(Args)]
-struct Project {
-    /// The project file
-    project: PathBuf,
-    #[command(flatten)]
-    voice: Voice,
 }
 
 #[derive(Args)]
@@ -149,6 +145,29 @@ struct Soften {
 }
 
 #[derive(Args)]
+struct Scan {
+    /// The mesh
+    file: PathBuf,
+    /// The mesh to write, in the format of its ending
+    #[arg(long)]
+    out: PathBuf,
+    /// Merge vertices closer than this, mm [default: a millionth of the size]
+    #[arg(long)]
+    merge_mm: Option<f64>,
+    /// Drop pieces with less than this share of the largest one's area
+    #[arg(long, default_value_t = ScanOptions::LEAST_SHARE)]
+    least_share: f64,
+    /// Make it smaller, with no larger error than this, mm
+    #[arg(long)]
+    decimate_mm: Option<f64>,
+    /// Replace the new file if it is there already
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    voice: Voice,
+}
+
+#[derive(Args)]
 struct Job {
     /// The project file
     project: PathBuf,
@@ -207,7 +226,8 @@ fn execute(command: Command) -> Result<u8, RunError> {
         Command::Check(job) => check_project(&job),
         Command::Convert(job) => convert(&job),
         Command::Soften(job) => soften(&job),
-        Command::Crosscheck(project) => crosscheck(&project),
+        Command::Crosscheck(job) => crosscheck(&job),
+        Command::Scan(job) => scan(&job),
         Command::New { folder } => {
             starter::write(&folder)?;
             say!(
@@ -361,23 +381,42 @@ fn soften(job: &Soften) -> Result<u8, RunError> {
     Ok(0)
 }
 
-fn crosscheck(job: &Project) -> Result<u8, RunError> {
-    let loaded = Loaded::read(&job.project)?;
-    let results = softfold::run(&loaded, Stage::Mesh, job.voice.progress().as_mut())?;
-    let Some(check) = results.mesh.map(|m| m.crosscheck) else { return Ok(0) };
-    let agrees = check.agrees();
+fn crosscheck(job: &Check) -> Result<u8, RunError> {
+    let found = match patterns::format_of(&job.file) {
+        Some(_) => {
+            // The issues of a file are told by `check`.
+            let quiet = Voice { quiet: true, json: false };
+            crosscheck::of_pattern(&read_pattern(&job.file, &job.reading, &quiet)?.pattern, &job.file)?
+        }
+        None => crosscheck::of_project(&Loaded::read(&job.file)?, job.voice.progress().as_mut())?,
+    };
     if job.voice.json {
-        let check = softfold::report::json::Crosscheck::from(&check);
-        say!("{}", serde_json::json!({ "event": "crosscheck", "crosscheck": check }));
-        return Ok(if agrees { 0 } else { VERDICT_FAILED });
+        let told = softfold::report::json::Crosschecks::from(&found);
+        say!(
+            "{}",
+            serde_json::json!({ "event": "crosscheck", "agrees": found.agrees(), "crosscheck": told })
+        );
+    } else if !job.voice.quiet || !found.agrees() {
+        say!("{}", found.words().trim_end());
     }
-    say!(
-        "constraints {}, areas differ by {:.1e}, {} edges differ on cocircular points, {} otherwise",
-        if check.constraints_held { "held" } else { "BROKEN" },
-        check.area_relative_difference,
-        check.cocircular_differences.len(),
-        check.other_differences.len()
-    );
-    check.other_differences.iter().for_each(|p| say!("  at ({:.3}, {:.3}) mm", p.x, p.y));
-    Ok(if agrees { 0 } else { VERDICT_FAILED })
+    Ok(if found.agrees() { 0 } else { VERDICT_FAILED })
+}
+
+fn scan(job: &Scan) -> Result<u8, RunError> {
+    let Scan { merge_mm, least_share, decimate_mm, .. } = *job;
+    let scan = scan::scan(&job.file, &ScanOptions { merge_mm, least_share, decimate_mm })?;
+    patterns::write(&job.out, scan.file(&job.out)?, job.force)?;
+    if job.voice.json {
+        let [vertices, triangles] = [scan.mesh.positions.len(), scan.mesh.triangles.len()];
+        say!(
+            "{}",
+            serde_json::json!({ "event": "scanned", "read": scan.read, "merged_vertices": scan.merged_vertices,
+                "removed_triangles": scan.removed_triangles, "flipped_triangles": scan.flipped_triangles,
+                "pieces": scan.pieces[0], "dropped_pieces": scan.pieces[1], "vertices": vertices, "triangles": triangles,
+                "decimation_error_mm": scan.decimated.map(|d| d.1), "volume_mm3": scan.volume_mm3 })
+        );
+    } else if !job.voice.quiet {
+        say!("{}\nwrote {}", scan.words(), job.out.display());
+    }
+    Ok(0)
 }

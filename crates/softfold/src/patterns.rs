@@ -77,7 +77,7 @@ pub fn text_of(pattern: &CreasePattern, path: &Path, options: &WriteOptions) -> 
 ///
 /// # Errors
 /// The file is there already, or cannot be written.
-pub fn write(path: &Path, text: &str, replace: bool) -> Result<(), RunError> {
+pub fn write(path: &Path, content: impl AsRef<[u8]>, replace: bool) -> Result<(), RunError> {
     let cannot = |e: &dyn std::fmt::Display| RunError::in_file(path, None, format!("cannot be written: {e}"));
     if path.exists() && !replace {
         return Err(RunError::in_file(
@@ -90,7 +90,7 @@ pub fn write(path: &Path, text: &str, replace: bool) -> Result<(), RunError> {
     let mut builder = tempfile::Builder::new();
     readable(builder.prefix(".softfold-"));
     let mut file = builder.tempfile_in(folder).map_err(|e| cannot(&e))?;
-    file.write_all(text.as_bytes()).map_err(|e| cannot(&e))?;
+    file.write_all(content.as_ref()).map_err(|e| cannot(&e))?;
     let kept = if replace { file.persist(path) } else { file.persist_noclobber(path) };
     kept.map(|_| ()).map_err(|e| cannot(&e.error))
 }

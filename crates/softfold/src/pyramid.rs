@@ -1,7 +1,7 @@
 //! Coarse meshes of the same sheet, through which folding goes to its own mesh.
 
 use crate::goals::goals;
-use crate::{Loaded, softness, stages};
+use crate::{Loaded, softness};
 use softfold_fold::{Level, schedule};
 use softfold_geometry::{CreaseId, CreasePattern, SoftPattern};
 use softfold_mesh::mesh;
@@ -61,7 +61,7 @@ fn level(
     share: &dyn Fn(CreaseId) -> f64,
 ) -> Option<Level> {
     let soft = soften(pattern, softness).ok()?;
-    let options = softfold_mesh::MeshOptions { target_edge_mm, ..stages::mesh_options(loaded) };
+    let options = softfold_mesh::MeshOptions { target_edge_mm, ..loaded.project.mesh.options() };
     let mesh = schedule::with_share(&mesh(&soft, &options).ok()?.mesh, share);
     let goals = goals(loaded, &mesh, pattern).ok()?;
     Some(Level { mesh, goals })

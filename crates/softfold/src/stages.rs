@@ -10,7 +10,7 @@ use softfold_fold::{
 };
 use softfold_geometry::{CreasePattern, DVec3, FoldedSheet, Issue, SoftPattern};
 use softfold_kernel::{MeshBuffers, MeshView, cgal, occt};
-use softfold_mesh::{Backend, Crosscheck, MeshError, MeshOptions, Meshed, Quality};
+use softfold_mesh::{Backend, Crosscheck, MeshError, Meshed, Quality};
 use softfold_mold::{
     Board, BoardOptions, Mold, MoldError, MoldOptions, Placement, Rest, StockOptions, WaffleOptions,
 };
@@ -321,7 +321,7 @@ fn soften_fault(loaded: &Loaded, error: &SoftenError) -> RunError {
 }
 
 fn mesh(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
-    let options = mesh_options(loaded);
+    let options = loaded.project.mesh.options();
     let backend = options.backend;
     let meshed =
         softfold_mesh::mesh(made(results.soft.as_ref())?, &options).map_err(|e| mesh_fault(loaded, &e))?;
@@ -332,21 +332,6 @@ fn mesh(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> 
         format!("{} vertices, smallest angle {:.0}°", meshed.mesh.vertices.len(), quality.min_angle_deg);
     results.mesh = Some(MeshResult { meshed, quality, crosscheck, backend });
     Ok(word)
-}
-
-/// What the project asks of the mesh.
-pub(crate) fn mesh_options(loaded: &Loaded) -> MeshOptions {
-    let wanted = &loaded.project.mesh;
-    let backend = match wanted.backend {
-        project::Backend::Spade => Backend::Spade,
-        project::Backend::Cgal => Backend::Cgal,
-    };
-    MeshOptions {
-        target_edge_mm: wanted.target_edge_mm,
-        seed: wanted.seed,
-        backend,
-        ..MeshOptions::default()
-    }
 }
 
 fn mesh_fault(loaded: &Loaded, error: &MeshError) -> RunError {

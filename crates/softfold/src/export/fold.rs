@@ -1,7 +1,8 @@
 //! FOLD 1.2: the flat mesh as a crease pattern, and folded sheets as further frames of it.
 //!
 //! FOLD has no key for curved creases: `softfold:edges_crease` and `softfold:edges_foldLine` tie the
-//! pieces of a soft fold to the crease and the fold line that they stand for.
+//! pieces of a soft fold to the crease and the fold line that they stand for; `softfold:edges_class` tells facet edges from
+//! free ones, which FOLD both calls J.
 
 use super::ExportError;
 use serde::Serialize;
@@ -36,6 +37,8 @@ struct File<'a> {
     faces_vertices: Vec<[u32; 3]>,
     #[serde(rename = "softfold:creases")]
     creases: &'a [String],
+    #[serde(rename = "softfold:edges_class")]
+    edges_class: Vec<&'static str>,
     #[serde(rename = "softfold:edges_crease")]
     edges_crease: Vec<Option<u32>>,
     #[serde(rename = "softfold:edges_foldLine")]
@@ -123,6 +126,7 @@ fn file<'a>(mesh: &FlatMesh, titles: Titles<'a>, file_frames: Vec<FoldedFrame<'a
         edges_faces: mesh.edges.iter().map(|e| e.triangles.map(|t| t.map(|t| t.0))).collect(),
         faces_vertices: mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect(),
         creases: titles.creases,
+        edges_class: mesh.edges.iter().map(|e| class_name(&e.class)).collect(),
         edges_crease: mesh.edges.iter().map(|e| fold_line(&e.class).map(|f| f[0])).collect(),
         edges_fold_line: mesh.edges.iter().map(|e| fold_line(&e.class).map(|f| f[1])).collect(),
         edges_loop: mesh.edges.iter().map(|e| loop_number(&e.class)).collect(),
@@ -138,6 +142,15 @@ fn assignment(class: &EdgeClass) -> char {
         EdgeClass::Fold { .. } => 'F',
         EdgeClass::Facet | EdgeClass::Free => 'J',
         EdgeClass::Boundary { .. } => 'B',
+    }
+}
+
+fn class_name(class: &EdgeClass) -> &'static str {
+    match class {
+        EdgeClass::Fold { .. } => "fold",
+        EdgeClass::Facet => "facet",
+        EdgeClass::Free => "free",
+        EdgeClass::Boundary { .. } => "boundary",
     }
 }
 
@@ -200,6 +213,7 @@ mod tests {
         assert_eq!(file["softfold:edges_crease"][fold], json!(0));
         assert_eq!(file["softfold:edges_foldLine"][fold], json!(2));
         assert!((file["edges_foldAngle"][fold].as_f64().unwrap() + 0.5_f64.to_degrees()).abs() < 1e-12);
+        assert_eq!(file["softfold:edges_class"][fold], "fold");
         assert_eq!(file["softfold:creases"][0], "rim");
     }
 

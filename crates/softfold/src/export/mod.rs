@@ -6,7 +6,9 @@
 pub mod dxf;
 mod error;
 pub mod fold;
+mod lines;
 pub mod obj;
+pub mod off;
 pub mod ply;
 pub mod stl;
 pub mod svg;

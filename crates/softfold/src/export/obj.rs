@@ -1,7 +1,8 @@
-//! Wavefront OBJ: triangle meshes and quad cages.
+//! Wavefront OBJ: triangle meshes, quad cages, and the flat mesh with its lines.
 
-use softfold_geometry::DVec3;
+use super::lines::lines;
 use softfold_geometry::text::{number, one_line};
+use softfold_geometry::{DVec3, FlatMesh};
 use std::fmt::Write;
 
 /// Digits after the point: 1e-6 mm is far below every tolerance of a sheet.
@@ -15,6 +16,25 @@ pub fn mesh(title: &str, positions: &[DVec3], triangles: &[[u32; 3]]) -> String 
 /// A quad cage, for subdivision modelling: faces keep their four corners.
 pub fn cage(title: &str, positions: &[DVec3], quads: &[[u32; 4]]) -> String {
     document(title, positions, quads)
+}
+
+/// The flat mesh at z = 0 with a group `sheet` of faces and a group of lines (`l`) for every boundary curve and every fold
+/// line, as `fold_CREASE_LINE` and `boundary_LOOP`, named by number.
+pub fn flat(title: &str, mesh: &FlatMesh) -> String {
+    let positions: Vec<DVec3> = mesh.vertices.iter().map(|p| p.extend(0.0)).collect();
+    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect();
+    let mut out = document(title, &positions, &triangles).replacen("\nf ", "\ng sheet\nf ", 1);
+    for (name, chains) in lines(mesh) {
+        let _ = writeln!(out, "g {name}");
+        for chain in chains {
+            out.push('l');
+            chain.iter().for_each(|v| {
+                let _ = write!(out, " {}", v.0 + 1);
+            });
+            out.push('\n');
+        }
+    }
+    out
 }
 
 fn document<const N: usize>(title: &str, positions: &[DVec3], faces: &[[u32; N]]) -> String {

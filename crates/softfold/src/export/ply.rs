@@ -1,7 +1,7 @@
-//! Coloured PLY (binary little endian): the folded sheet with its figures at every vertex.
+//! PLY (binary little endian): the folded sheet with colours and figures at every vertex, the flat mesh with its edges.
 
-use softfold_geometry::DVec3;
 use softfold_geometry::text::one_line;
+use softfold_geometry::{DVec3, Edge, EdgeClass, FlatMesh};
 use std::fmt::Write;
 
 /// Scalars beyond this are cut to it, and NaN becomes 0: viewers spoil their colour range on infinities
@@ -34,10 +34,7 @@ pub fn coloured(
             out.extend(bounded(scalar.values.get(i).copied().unwrap_or(0.0)).to_le_bytes());
         }
     }
-    for t in triangles {
-        out.push(3);
-        t.iter().for_each(|v| out.extend(v.to_le_bytes()));
-    }
+    triangles.iter().for_each(|t| push_face(&mut out, *t));
     out
 }
 
@@ -54,6 +51,71 @@ fn header(title: &str, vertices: usize, faces: usize, scalars: &[Scalar<'_>]) ->
     }
     let _ = write!(text, "element face {faces}\nproperty list uchar uint vertex_indices\nend_header\n");
     text
+}
+
+/// A triangle mesh without colours; coordinates are `double`.
+pub fn mesh(title: &str, positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<u8> {
+    let mut text = plain_header(title, positions.len(), triangles.len());
+    text.push_str("end_header\n");
+    let mut out = text.into_bytes();
+    positions.iter().for_each(|p| push_point(&mut out, *p));
+    triangles.iter().for_each(|t| push_face(&mut out, *t));
+    out
+}
+
+/// All but the last line.
+fn plain_header(title: &str, vertices: usize, faces: usize) -> String {
+    format!(
+        "ply\nformat binary_little_endian 1.0\ncomment softfold: {}\ncomment units: mm\n\
+         element vertex {vertices}\nproperty double x\nproperty double y\nproperty double z\n\
+         element face {faces}\nproperty list uchar uint vertex_indices\n",
+        one_line(title)
+    )
+}
+
+fn push_point(out: &mut Vec<u8>, p: DVec3) {
+    p.to_array().iter().for_each(|c| out.extend(c.to_le_bytes()));
+}
+
+fn push_face(out: &mut Vec<u8>, corners: [u32; 3]) {
+    out.push(3);
+    corners.iter().for_each(|v| out.extend(v.to_le_bytes()));
+}
+
+/// The flat mesh at z = 0 with an element `edge`: its vertices, `class` (0 facet, 1 fold, 2 free, 3 boundary), `crease` and
+/// `line` of folds and `loop` of boundaries (−1 elsewhere), and the turn of folds in degrees, + valley. Coordinates are
+/// `double`.
+pub fn flat(title: &str, mesh: &FlatMesh) -> Vec<u8> {
+    let mut text = plain_header(title, mesh.vertices.len(), mesh.triangles.len());
+    // Writing to a string cannot fail.
+    let _ = write!(
+        text,
+        "comment edge classes: 0 facet, 1 fold, 2 free, 3 boundary; turns in degrees, valleys positive\n\
+         element edge {}\nproperty int vertex1\nproperty int vertex2\nproperty uchar class\nproperty int crease\n\
+         property int line\nproperty int loop\nproperty float turn_deg\nend_header\n",
+        mesh.edges.len()
+    );
+    let mut out = text.into_bytes();
+    mesh.vertices.iter().for_each(|p| push_point(&mut out, p.extend(0.0)));
+    mesh.triangles.iter().for_each(|t| push_face(&mut out, t.map(|v| v.0)));
+    mesh.edges.iter().for_each(|e| push_edge(&mut out, e));
+    out
+}
+
+/// Number of what an edge is not part of.
+const NONE: u32 = u32::MAX; // −1 to who reads it as `int`
+
+fn push_edge(out: &mut Vec<u8>, edge: &Edge) {
+    let (class, crease, line, loop_id, turn_rad) = match edge.class {
+        EdgeClass::Facet => (0, NONE, NONE, NONE, 0.0),
+        EdgeClass::Fold { crease, line, turn_rad } => (1, crease.0, line, NONE, turn_rad),
+        EdgeClass::Free => (2, NONE, NONE, NONE, 0.0),
+        EdgeClass::Boundary { loop_id } => (3, NONE, NONE, loop_id.0, 0.0),
+    };
+    edge.vertices.iter().for_each(|v| out.extend(v.0.to_le_bytes()));
+    out.push(class);
+    [crease, line, loop_id].iter().for_each(|n| out.extend(n.to_le_bytes()));
+    out.extend((turn_rad.to_degrees() as f32).to_le_bytes());
 }
 
 fn bounded(value: f64) -> f32 {

@@ -113,6 +113,28 @@ impl Svg {
         self.chain("polyline", points, style);
     }
 
+    /// Many straight pieces as one path; closed ones are filled.
+    pub fn chains<'c>(
+        &mut self,
+        chains: impl IntoIterator<Item = &'c [DVec2]>,
+        closed: bool,
+        style: Style<'_>,
+    ) {
+        let mut data = String::new();
+        for chain in chains {
+            for (i, p) in chain.iter().enumerate() {
+                data.push(if i == 0 { 'M' } else { 'L' });
+                data.push_str(&self.pair(*p));
+            }
+            if closed {
+                data.push('Z');
+            }
+        }
+        if !data.is_empty() {
+            self.push(format!(r#"<path {} d="{data}"/>"#, style.attributes()));
+        }
+    }
+
     /// Curves as one path, cubics as cubics; closed ones fill even-odd, so holes stay open.
     pub fn curves<'c>(&mut self, curves: impl IntoIterator<Item = &'c PlanarCurve>, style: Style<'_>) {
         let data: Vec<_> = curves.into_iter().map(|c| self.path_data(c)).collect();

@@ -18,6 +18,7 @@ pub use soften::{Along, Compensation, Radius, SoftCrease, Soften};
 
 use number::{Number, Range, fault_of, least};
 use serde::Deserialize;
+use softfold_mesh::MeshOptions;
 use std::path::PathBuf;
 
 /// A project as its file says it; lengths mm, angles degrees.
@@ -75,12 +76,35 @@ pub enum Backend {
     Cgal,
 }
 
+/// `mesh.method`
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Rows along bands, edges that grow away from them.
+    #[default]
+    Graded,
+    /// The paper's steps as they are.
+    Paper,
+}
+
 /// `[mesh]`
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Mesh {
+    /// How points are placed.
+    pub method: Method,
     /// Edge length away from bands, mm.
     pub target_edge_mm: f64,
+    /// Length of a triangle along a band over its strip's width.
+    pub band_aspect: f64,
+    /// The same at most, in narrow strips.
+    pub narrow_aspect: f64,
+    /// Growth of the edge length per mm of distance from a band.
+    pub grading: f64,
+    /// Rounds of relaxation.
+    pub relaxation_rounds: u32,
+    /// How far fold lines and outline may leave their curves, share of the target.
+    pub chord: f64,
     /// Triangulation.
     pub backend: Backend,
     /// Seed.
@@ -89,8 +113,41 @@ pub struct Mesh {
 
 impl Default for Mesh {
     fn default() -> Self {
-        let options = softfold_mesh::MeshOptions::default();
-        Self { target_edge_mm: options.target_edge_mm, backend: Backend::Spade, seed: options.seed }
+        let options = MeshOptions::default();
+        Self {
+            method: Method::Graded,
+            target_edge_mm: options.target_edge_mm,
+            band_aspect: options.band_aspect,
+            narrow_aspect: options.narrow_aspect,
+            grading: options.grading,
+            relaxation_rounds: options.relaxation_rounds,
+            chord: options.chord,
+            backend: Backend::Spade,
+            seed: options.seed,
+        }
+    }
+}
+
+impl Mesh {
+    /// The mesher's options.
+    pub fn options(&self) -> MeshOptions {
+        MeshOptions {
+            method: match self.method {
+                Method::Graded => softfold_mesh::Method::Graded,
+                Method::Paper => softfold_mesh::Method::Paper,
+            },
+            target_edge_mm: self.target_edge_mm,
+            band_aspect: self.band_aspect,
+            narrow_aspect: self.narrow_aspect,
+            grading: self.grading,
+            relaxation_rounds: self.relaxation_rounds,
+            seed: self.seed,
+            chord: self.chord,
+            backend: match self.backend {
+                Backend::Spade => softfold_mesh::Backend::Spade,
+                Backend::Cgal => softfold_mesh::Backend::Cgal,
+            },
+        }
     }
 }
 
@@ -306,10 +363,15 @@ impl Project {
 
     /// Every number that must lie in a range.
     fn numbers(&self) -> Vec<Number> {
-        use Range::{Finite, Fraction, NotNegative, Positive, Thick};
+        use Range::{Finite, Fraction, NotNegative, Positive, Rounds, Thick};
         let n = Number::new;
         let mut all = vec![
             n("mesh", "target_edge_mm", self.mesh.target_edge_mm, Positive),
+            n("mesh", "band_aspect", self.mesh.band_aspect, Positive),
+            n("mesh", "narrow_aspect", self.mesh.narrow_aspect, Positive),
+            n("mesh", "grading", self.mesh.grading, Positive),
+            n("mesh", "chord", self.mesh.chord, Positive),
+            n("mesh", "relaxation_rounds", f64::from(self.mesh.relaxation_rounds), Rounds),
             n("material", "youngs_modulus_mpa", self.material.youngs_modulus_mpa, Positive),
             n("material", "poisson_ratio", self.material.poisson_ratio, Fraction),
             n("material", "density_kg_m3", self.material.density_kg_m3, Positive),
@@ -353,6 +415,46 @@ mod tests {
     fn the_least_project_has_defaults() {
         let p = Project::parse(LEAST).unwrap();
         assert_eq!((p.mold.cell_mm, p.soften.segments, p.fold.solver), (221.0, None, Solver::Newton));
+    }
+
+    #[test]
+    fn every_option_of_the_mesher_has_its_key() {
+        let text = "[mesh]\nmethod = \"paper\"\ntarget_edge_mm = 9\nband_aspect = 2\nnarrow_aspect = 6\ngrading = 0.3\n\
+                    relaxation_rounds = 4\nchord = 0.02\nseed = 7\nbackend = \"cgal\"\n";
+        let options = Project::parse(&format!("{LEAST}{text}")).unwrap().mesh.options();
+        let wanted = MeshOptions {
+            method: softfold_mesh::Method::Paper,
+            target_edge_mm: 9.0,
+            band_aspect: 2.0,
+            narrow_aspect: 6.0,
+            grading: 0.3,
+            relaxation_rounds: 4,
+            chord: 0.02,
+            seed: 7,
+            backend: softfold_mesh::Backend::Cgal,
+        };
+        assert_eq!(options, wanted);
+        assert_eq!(Project::parse(LEAST).unwrap().mesh.options(), MeshOptions::default());
+    }
+
+    #[test]
+    fn bad_options_of_the_mesher_are_named_with_their_line() {
+        let bad = [
+            ("method = \"random\"", "random"),
+            ("band_aspect = 0", "mesh.band_aspect"),
+            ("chord = 0", "mesh.chord"),
+            ("narrow_aspect = nan", "mesh.narrow_aspect"),
+            ("grading = -1", "mesh.grading"),
+            ("relaxation_rounds = 100000", "mesh.relaxation_rounds"),
+            ("relaxation_rounds = -1", "relaxation_rounds"),
+            ("seed = 1.5", "seed"),
+            ("backend = \"triangle\"", "triangle"),
+        ];
+        for (line, word) in bad {
+            let fault = Project::parse(&format!("{LEAST}[mesh]\n{line}\n")).unwrap_err();
+            assert_eq!(fault.line, Some(7), "{line}: {}", fault.message);
+            assert!(fault.message.contains(word), "{line}: {}", fault.message);
+        }
     }
 
     #[test]

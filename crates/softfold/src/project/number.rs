@@ -48,6 +48,8 @@ pub(super) enum Range {
     Positive,
     NotNegative,
     AtLeastOne,
+    /// Rounds of an iteration: more than a thousand change nothing but the time.
+    Rounds,
     /// A thickness: below a hundredth of a millimetre solids drown in rounding.
     Thick,
     Finite,
@@ -77,6 +79,7 @@ impl Number {
             Range::Positive => (v > 0.0 && v.is_finite(), "a positive number"),
             Range::NotNegative => (v >= 0.0 && v.is_finite(), "a number that is not negative"),
             Range::AtLeastOne => (v >= 1.0, "1 or more"),
+            Range::Rounds => ((0.0..=1000.0).contains(&v), "a number from 0 to 1000"),
             Range::Thick => (v >= 0.01 && v.is_finite(), "a positive number, 0.01 or more"),
             Range::Finite => (v.is_finite(), "a finite number"),
             Range::Share => ((0.0..1.0).contains(&v), "a number from 0 to below 1"),

@@ -144,6 +144,29 @@ pub struct Crosscheck {
     pub other_differences: usize,
 }
 
+/// What `softfold crosscheck` tells: the lines of a pattern, cut where they meet, and the mesh.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Crosschecks {
+    /// The mesh.
+    pub mesh: Crosscheck,
+    /// The pieces of the lines.
+    pub pieces: Crosscheck,
+    /// Exact meetings of two lines.
+    pub meetings: usize,
+    /// Those that only the tolerance decides.
+    pub marginal: usize,
+    /// Those that one of the two does not see.
+    pub missed: usize,
+    /// Points of pieces off their line.
+    pub astray: usize,
+    /// Distance within which things are one, mm.
+    pub tolerance_mm: f64,
+    /// Where the two disagree, mm.
+    pub places_mm: Vec<[f64; 2]>,
+    /// What one refused that the other took.
+    pub refusals: Vec<String>,
+}
+
 /// The folding simulation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fold {

@@ -3,6 +3,7 @@
 
 pub mod html;
 pub mod json;
+pub mod mesh_plan;
 mod page;
 pub mod picture;
 pub mod plans;
