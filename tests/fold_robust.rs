@@ -1,4 +1,4 @@
-//! Whatever is folded: finite positions, and at rest or told that it is not. Other people's patterns from `../shared/patterns`,
+//! Whatever is folded: finite positions, and at rest or told that it is not. Other people's patterns from the collection beside the checkout,
 //! and random designs.
 
 #![allow(
