@@ -8,6 +8,9 @@ use softfold_geometry::{VertexId, polygon};
 use softfold_mesh::{Arranged, Backend, MeshError, crosscheck_crossing, noded};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Coordinates as a strategy makes them.
+type Pairs = Vec<(f64, f64)>;
+
 /// Points and constraints between them.
 #[derive(Clone, Debug)]
 struct Lines {
@@ -176,8 +179,10 @@ fn points_on_one_line_and_numbers_that_are_none_are_refused() {
 
 #[test]
 fn a_planar_graph_stays_as_it_is() {
-    let ring: Vec<(f64, f64)> =
-        (0..12).map(|i| f64::from(i) * 0.5236).map(|t| (90.0 * t.cos(), 70.0 * t.sin())).collect();
+    let ring: Vec<(f64, f64)> = (0..12)
+        .map(|i| f64::from(i) * std::f64::consts::FRAC_PI_6)
+        .map(|t| (90.0 * t.cos(), 70.0 * t.sin()))
+        .collect();
     let sides: Vec<[u32; 2]> = (0..12).map(|i| [i, (i + 1) % 12]).collect();
     let lines = Lines::new(&ring, &sides);
     both(&lines, |a| {
@@ -212,7 +217,7 @@ fn points() -> impl Strategy<Value = Vec<DVec2>> {
             let n = v.len();
             (Just(v), prop::collection::vec((-off..off, -off..off), n))
         })
-        .prop_map(|(v, off): (Vec<(f64, f64)>, Vec<(f64, f64)>)| {
+        .prop_map(|(v, off): (Pairs, Pairs)| {
             let near = v.iter().zip(off).map(|(p, d)| (p.0 + d.0, p.1 + d.1)).collect::<Vec<_>>();
             v.into_iter().chain(near).collect()
         });

@@ -374,7 +374,7 @@ fn soften(job: &Soften) -> Result<u8, RunError> {
     let loaded = Loaded::read(&job.project)?;
     let results = softfold::run(&loaded, Stage::Soften, job.voice.progress().as_mut())?;
     let (Some(pattern), Some(soft)) = (&results.pattern, &results.soft) else { return Ok(0) };
-    patterns::write(&job.out, &softfold_soften::write_svg(pattern, soft), job.force)?;
+    patterns::write(&job.out, softfold_soften::write_svg(pattern, soft), job.force)?;
     if !job.voice.json && !job.voice.quiet {
         say!("wrote {}", job.out.display());
     }

@@ -92,6 +92,10 @@ fn mesh(m: &MeshResult) -> json::Mesh {
         triangles: m.meshed.mesh.triangles.len(),
         min_angle_deg: m.quality.min_angle_deg,
         median_min_angle_deg: m.quality.median_min_angle_deg,
+        own_min_angle_deg: m.meshed.inspection.free.min_angle_deg,
+        sharp_places: m.meshed.inspection.places.len(),
+        sharp_triangles: m.meshed.inspection.excused,
+        chord_mm: m.meshed.inspection.fold_chord_mm.max(m.meshed.inspection.boundary_chord_mm),
         backend: m.backend.name().to_owned(),
         crosscheck: Some(json::Crosscheck::from(&m.crosscheck)),
     }
@@ -108,6 +112,10 @@ impl From<&Crosscheck> for json::Crosscheck {
     }
 }
 
+fn level(l: &softfold_geometry::LevelRecord) -> json::Level {
+    json::Level { vertices: l.vertices, iterations: l.iterations, factorisations: l.factorisations }
+}
+
 fn fold(results: &Results, f: &FoldResult) -> json::Fold {
     let solve = &f.sheet.solve;
     let goal = |g: &crate::stages::GoalFigure| json::Goal {
@@ -119,6 +127,8 @@ fn fold(results: &Results, f: &FoldResult) -> json::Fold {
     let mut fold = json::Fold {
         solver: solve.solver.clone(),
         iterations: solve.iterations,
+        factorisations: solve.factorisations,
+        levels: solve.levels.iter().map(level).collect(),
         seconds: results.seconds.iter().find(|s| s.0 == "fold").map_or(0.0, |s| s.1),
         energy: solve.energy,
         relative_gradient: solve.relative_gradient,

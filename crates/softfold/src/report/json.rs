@@ -124,6 +124,14 @@ pub struct Mesh {
     pub min_angle_deg: f64,
     /// Median of the triangles' smallest angles, degrees.
     pub median_min_angle_deg: f64,
+    /// Smallest angle but for places that the pattern itself makes sharp, degrees.
+    pub own_min_angle_deg: f64,
+    /// Places that the pattern itself makes sharp: acute corners, curves that all but touch.
+    pub sharp_places: usize,
+    /// Triangles that lie there.
+    pub sharp_triangles: usize,
+    /// Largest distance of fold lines and boundaries from their edges, mm.
+    pub chord_mm: f64,
     /// `spade` or `cgal`.
     pub backend: String,
     /// Comparison of both triangulators, if asked for.
@@ -167,6 +175,17 @@ pub struct Crosschecks {
     pub refusals: Vec<String>,
 }
 
+/// What one of the meshes of a multilevel solve took.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Level {
+    /// Its vertices.
+    pub vertices: u32,
+    /// Iterations on it.
+    pub iterations: u32,
+    /// Numeric factorisations.
+    pub factorisations: u32,
+}
+
 /// The folding simulation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fold {
@@ -174,6 +193,11 @@ pub struct Fold {
     pub solver: String,
     /// Iterations in all.
     pub iterations: u32,
+    /// Numeric factorisations on the sheet's own mesh.
+    pub factorisations: u32,
+    /// The meshes of a multilevel solve, from the coarsest to the sheet's own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub levels: Vec<Level>,
     /// Time it took, s.
     pub seconds: f64,
     /// Energy at the end.
