@@ -1,19 +1,24 @@
 //! Which pairs can come near each other on a way: the broad phase.
 //!
-//! Each triangle is a box of six dimensions, where its corners are and where they are going; two triangles can meet if at
-//! some time on the way all three gaps close. That the sheet moves as a whole costs nothing, only how its parts move
-//! against each other. Each vertex and edge belongs to one of its triangles (Curtis, Tamstorf & Manocha, *Fast collision
+//! Near triangles are found by a tree of boxes (`tree.rs`), without those in windows of the sheet that bend so little that
+//! nothing in them meets (`window.rs`). Each vertex and edge belongs to one of its triangles (Curtis, Tamstorf & Manocha, *Fast collision
 //! detection for deformable models using representative-triangles*, 2008), so that no pair is found twice.
 
 use super::accd::approach_mm;
 use super::pair::{Gap, Pair};
+use super::tree::{Tree, Way};
+use super::window::Windows;
 use glam::{DVec2, DVec3};
-use rstar::{AABB, RTree, RTreeObject, SelectionFunction};
 use softfold_geometry::{FlatMesh, polygon};
 use std::f64::consts::FRAC_2_PI;
 
 /// Pairs of triangles looked at, per triangle, before a way counts as too long to be searched at once.
 const CROWDED: usize = 600;
+
+/// How far off a way places still count as on it, as share of the contact distance: rounding.
+const SLACK: f64 = 1e-9;
+/// Room for rounding in what windows promise.
+const CERTAIN: f64 = 1.0 + 1e-6;
 
 /// The sheet as its pairs see it.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,67 +31,18 @@ pub(super) struct Sheet {
     owned: Vec<(Vec<u32>, Vec<[u32; 2]>)>,
     /// Distances between parts that are not neighbours.
     gap: Gap,
+    tree: Tree,
+    windows: Windows,
 }
 
-/// Pairs that may matter at the places `base + t step`, 0 ≤ t ≤ 1, and around them.
+/// Pairs that may matter at the places `base + t step`, 0 ≤ t ≤ 1.
 pub(super) struct Candidates {
     base: Vec<DVec3>,
     /// Empty: the base alone.
     step: Vec<DVec3>,
     slack_mm: f64,
-    /// Pairs with the least distance that they can have on the way beyond that of their contact, mm; in order.
-    pairs: Vec<(Pair, f64)>,
-}
-
-type Box6 = AABB<[f64; 6]>;
-
-struct Leaf {
-    way: Box6,
-    triangle: u32,
-}
-
-impl RTreeObject for Leaf {
-    type Envelope = Box6;
-
-    fn envelope(&self) -> Box6 {
-        self.way
-    }
-}
-
-/// Triangles behind one in the list that can come as near to it as `reach_mm` along each axis.
-struct Meets<'a> {
-    leaf: &'a Leaf,
-    reach_mm: f64,
-}
-
-impl SelectionFunction<Leaf> for Meets<'_> {
-    fn should_unpack_parent(&self, envelope: &Box6) -> bool {
-        meet(&self.leaf.way, envelope, self.reach_mm)
-    }
-
-    fn should_unpack_leaf(&self, other: &Leaf) -> bool {
-        other.triangle > self.leaf.triangle && meet(&self.leaf.way, &other.way, self.reach_mm)
-    }
-}
-
-/// Whether two boxes on their ways come within `reach` of each other along all axes at one time.
-fn meet(a: &Box6, b: &Box6, reach: f64) -> bool {
-    let (mut from, mut to) = (0.0_f64, 1.0_f64);
-    let mut clip = |start: f64, slope: f64| {
-        // start + t slope ≥ 0
-        match slope {
-            s if s > 0.0 => from = from.max(-start / s),
-            s if s < 0.0 => to = to.min(-start / s),
-            _ if start < 0.0 => to = f64::NEG_INFINITY,
-            _ => (),
-        }
-    };
-    let (al, au, bl, bu) = (a.lower(), a.upper(), b.lower(), b.upper());
-    for k in 0..3 {
-        clip(reach + bu[k] - al[k], bu[k + 3] - al[k + 3]);
-        clip(reach + au[k] - bl[k], au[k + 3] - bl[k + 3]);
-    }
-    from <= to
+    /// In order.
+    pairs: Vec<Pair>,
 }
 
 impl Sheet {
@@ -106,61 +62,51 @@ impl Sheet {
                 owned[t.index()].1.push(e.vertices.map(|v| v.0));
             }
         }
-        Self { flat: mesh.vertices.clone(), part: parts(mesh), triangles, owned, gap }
+        let (flat, part) = (mesh.vertices.clone(), parts(mesh));
+        let tree = Tree::new(triangles.iter().map(|t| bounds(t.map(|v| flat[v as usize]))).collect());
+        let windows = Windows::new(mesh, &part, gap.contact_mm / FRAC_2_PI);
+        Self { flat, part, triangles, owned, gap, tree, windows }
     }
 
     pub(super) fn flat(&self, vertex: u32) -> DVec2 {
         self.flat[vertex as usize]
     }
 
-    /// The pairs that can come within their contact distance and `spare_mm` on the way from `x` by `step` (empty: at
-    /// `x`), also where corners are `slack_mm` off it; none if there are too many to be looked at and the search is not `patient`.
+    /// The pairs that can come within their contact distance and `spare` of it more on the way from `x` by `step` (empty: at
+    /// `x`); none if there are too many to be looked at and the search is not `patient`.
     pub(super) fn candidates(
         &self,
         x: &[DVec3],
         step: &[DVec3],
-        slack_mm: f64,
-        spare_mm: f64,
+        spare: f64,
         patient: bool,
     ) -> Option<Candidates> {
-        let room_mm = 2.0 * slack_mm + spare_mm;
-        let leaves = (0..self.triangles.len()).map(|t| self.leaf(t, x, step));
-        let tree = RTree::bulk_load(leaves.collect());
+        let apart = self.windows.apart(&self.triangles, x, step, CERTAIN * (1.0 + spare) * FRAC_2_PI);
+        let ways: Vec<Way> = (0..self.triangles.len()).map(|t| self.way(t, x, step)).collect();
         let most = if patient { usize::MAX } else { CROWDED * self.triangles.len() };
-        let (mut pairs, mut seen, mut near) = (Vec::new(), 0, Vec::new());
-        for t in 0..self.triangles.len() {
-            let leaf = self.leaf(t, x, step);
-            let meets = Meets { leaf: &leaf, reach_mm: self.gap.contact_mm + room_mm };
-            near.clear();
-            near.extend(tree.locate_with_selection_function(meets).map(|l| l.triangle as usize));
-            near.sort_unstable();
-            seen += near.len();
-            if seen > most {
-                return None;
-            }
-            for &other in &near {
-                self.pairs_between(t, other, |pair| {
-                    let approach = if step.is_empty() { 0.0 } else { approach_mm(&pair, step) };
-                    let beyond_mm = pair.distance_mm(x) - approach - pair.gap.contact_mm;
-                    if beyond_mm < room_mm {
-                        pairs.push((pair, beyond_mm));
-                    }
-                });
-            }
+        let reach_mm = (1.0 + spare) * self.gap.contact_mm;
+        let calm = |flat| self.windows.holding(flat).is_some_and(|w| apart[w]);
+        let mut pairs = Vec::new();
+        for [a, b] in self.tree.pairs(&ways, reach_mm, calm, most)? {
+            self.pairs_between(a as usize, b as usize, |pair| {
+                let approach = if step.is_empty() { 0.0 } else { approach_mm(&pair, step) };
+                let nearest_mm = pair.distance_mm(x) - approach;
+                if nearest_mm < (1.0 + spare) * pair.gap.contact_mm + SLACK * self.gap.contact_mm {
+                    pairs.push(pair);
+                }
+            });
         }
+        let slack_mm = 0.5 * SLACK * self.gap.contact_mm;
         Some(Candidates { base: x.to_vec(), step: step.to_vec(), slack_mm, pairs })
     }
 
-    fn leaf(&self, triangle: usize, x: &[DVec3], step: &[DVec3]) -> Leaf {
-        let corners = self.triangles[triangle].map(|v| {
-            let (p, d) = (x[v as usize], step.get(v as usize).copied().unwrap_or_default());
-            [p.x, p.y, p.z, d.x, d.y, d.z]
-        });
-        Leaf { way: AABB::from_points(corners.iter()), triangle: triangle as u32 }
+    fn way(&self, triangle: usize, x: &[DVec3], step: &[DVec3]) -> Way {
+        let motion = |v: u32| step.get(v as usize).copied().unwrap_or_default();
+        Way::around(self.triangles[triangle].map(|v| (x[v as usize], motion(v))))
     }
 
     /// Calls `f` for the pairs of two triangles' own elements.
-    fn pairs_between(&self, a: usize, b: usize, mut f: impl FnMut(Pair)) {
+    pub(super) fn pairs_between(&self, a: usize, b: usize, mut f: impl FnMut(Pair)) {
         for (own, other) in [(a, b), (b, a)] {
             for &v in &self.owned[own].0 {
                 let [p, q, r] = self.triangles[other];
@@ -232,24 +178,25 @@ fn parts(mesh: &FlatMesh) -> Vec<u32> {
     (0..part.len() as u32).map(|v| root(&part, v)).collect()
 }
 
+/// Lower and upper corner of a triangle on the flat sheet.
+fn bounds([a, b, c]: [DVec2; 3]) -> [DVec2; 2] {
+    [a.min(b).min(c), a.max(b).max(c)]
+}
+
 impl Candidates {
     /// No pairs, at `x`.
     pub(super) fn none(x: &[DVec3]) -> Self {
         Self { base: x.to_vec(), step: Vec::new(), slack_mm: 0.0, pairs: Vec::new() }
     }
 
-    /// The pairs that can be within their contact distance and `spare_mm` at `x`, in order; none if these candidates are
-    /// not all that matter there.
-    pub(super) fn at(&self, x: &[DVec3], spare_mm: f64) -> Option<impl Iterator<Item = &Pair>> {
-        let off_mm = self.off_mm(x);
-        let room_mm = 2.0 * off_mm + spare_mm;
-        let near = self.pairs.iter().filter(move |p| p.1 < room_mm).map(|p| &p.0);
-        (off_mm <= self.slack_mm).then_some(near)
+    /// Whether these are all pairs that matter at `x`: it is on the way.
+    pub(super) fn hold_at(&self, x: &[DVec3]) -> bool {
+        self.off_mm(x) <= self.slack_mm
     }
 
     /// Every pair.
     pub(super) fn all(&self) -> impl Iterator<Item = &Pair> {
-        self.pairs.iter().map(|p| &p.0)
+        self.pairs.iter()
     }
 
     /// How far vertices at `x` are off the way, at most, mm.

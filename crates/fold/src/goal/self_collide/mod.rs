@@ -21,6 +21,8 @@ mod closest;
 mod pair;
 #[cfg(test)]
 mod tests;
+mod tree;
+mod window;
 
 use super::{Curvature, Goal, Gradient, HessianSink, Moves, Part};
 use broad::{Candidates, Sheet};
@@ -64,8 +66,6 @@ impl SelfCollideOptions {
     }
 }
 
-/// How far vertices may move before pairs are looked for anew, as share of the contact distance.
-const SLACK: f64 = 0.25;
 /// Most margin of [`Goal::contacts`] that is heeded, as share of the contact distance.
 const SPARE: f64 = 0.25;
 /// Share of a step that is looked at next if a step is too long to be searched at once.
@@ -88,7 +88,7 @@ pub struct Clearance {
 pub fn self_clearance(sheet: &FoldedSheet, thickness_mm: f64, within_mm: f64) -> Option<Clearance> {
     let contact_mm = SelfCollideOptions::of_thickness(thickness_mm, 0.0).gap().contact_mm;
     let pairs = Sheet::new(&sheet.mesh, Gap { least_mm: 0.0, contact_mm: within_mm.max(contact_mm) });
-    let found = pairs.candidates(&sheet.positions, &[], 0.0, 0.0, true)?;
+    let found = pairs.candidates(&sheet.positions, &[], 0.0, true)?;
     let x = &sheet.positions;
     let clearance = |p: &Pair| Clearance {
         distance_mm: p.distance_mm(x),
@@ -104,14 +104,10 @@ impl SelfCollide {
         Self { options, sheet: Sheet::new(mesh, options.gap()), found: Mutex::new(None) }
     }
 
-    fn contact_mm(&self) -> f64 {
-        self.options.gap().contact_mm
-    }
-
     /// The pairs that matter at `x`: those of the last search if they hold there.
     fn found(&self, x: &[DVec3]) -> Arc<Candidates> {
         let mut last = self.found.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = last.as_ref().filter(|f| f.at(x, 0.0).is_some()) {
+        if let Some(found) = last.as_ref().filter(|f| f.hold_at(x)) {
             return found.clone();
         }
         let found = Arc::new(self.search(x, &[], true).unwrap_or_else(|| Candidates::none(x)));
@@ -120,13 +116,12 @@ impl SelfCollide {
     }
 
     fn search(&self, x: &[DVec3], step: &[DVec3], patient: bool) -> Option<Candidates> {
-        let d = self.contact_mm();
-        self.sheet.candidates(x, step, SLACK * d, SPARE * d, patient)
+        self.sheet.candidates(x, step, SPARE, patient)
     }
 
     /// Calls `f` for every pair that may be in contact at `x`, in order.
     fn each(&self, x: &[DVec3], f: impl FnMut(&Pair)) {
-        self.found(x).at(x, 0.0).into_iter().flatten().for_each(f);
+        self.found(x).all().for_each(f);
     }
 }
 
@@ -150,8 +145,7 @@ impl Goal for SelfCollide {
     fn contacts(&self, x: &[DVec3], margin: f64) -> Vec<[u32; 2]> {
         let margin = margin.min(SPARE);
         let found = self.found(x);
-        let near = found.at(x, margin * self.contact_mm()).into_iter().flatten();
-        let touching = near.filter(|p| p.distance_mm(x) < (1.0 + margin) * p.gap.contact_mm);
+        let touching = found.all().filter(|p| p.distance_mm(x) < (1.0 + margin) * p.gap.contact_mm);
         let mut pairs: Vec<[u32; 2]> = touching.flat_map(couples).collect();
         pairs.sort_unstable();
         pairs.dedup();

@@ -3,7 +3,7 @@
 use super::broad::Sheet;
 use super::*;
 use crate::goal::testing::{prove_by_steps, prove_convex, prove_descent, prove_rigid_invariance};
-use crate::testing::strip;
+use crate::testing::{irregular, strip};
 use softfold_geometry::{EdgeClass, LoopId, Site, SolveRecord, VertexId};
 
 const OPTIONS: SelfCollideOptions = SelfCollideOptions { thickness_mm: 1.0, reach_mm: 0.5, stiffness: 3.0 };
@@ -92,7 +92,7 @@ fn sampled_distance(x: &[DVec3]) -> f64 {
 
 fn least_distance(x: &[DVec3]) -> f64 {
     let gap = Gap { least_mm: 1.0, contact_mm: 100.0 };
-    let found = Sheet::new(&two_triangles(), gap).candidates(x, &[], 0.0, 0.0, true).unwrap();
+    let found = Sheet::new(&two_triangles(), gap).candidates(x, &[], 0.0, true).unwrap();
     found.all().map(|p| p.distance_mm(x)).fold(f64::MAX, f64::min)
 }
 
@@ -223,6 +223,125 @@ fn a_used_goal_and_a_new_one_agree_to_the_bit() {
         let half: Vec<DVec3> = x.iter().zip(&step).map(|(x, d)| *x + 0.37 * *d).collect();
         assert_eq!(used.energy(&half), SelfCollide::of_mesh(&mesh, OPTIONS).energy(&half));
     }
+}
+
+/// All pairs, by looking at every two triangles, in the order of the search.
+fn all_pairs(mesh: &FlatMesh) -> Vec<Pair> {
+    let (sheet, n) = (Sheet::new(mesh, OPTIONS.gap()), mesh.triangles.len());
+    let mut pairs = Vec::new();
+    for a in 0..n {
+        (a + 1..n).for_each(|b| sheet.pairs_between(a, b, |pair| pairs.push(pair)));
+    }
+    pairs
+}
+
+fn agrees_with_all_pairs(goal: &SelfCollide, pairs: &[Pair], x: &[DVec3]) -> bool {
+    let energy = OPTIONS.stiffness * pairs.iter().map(|p| p.energy(x)).sum::<f64>();
+    let touching = pairs.iter().filter(|p| p.distance_mm(x) < 1.25 * p.gap.contact_mm);
+    let mut coupled: Vec<[u32; 2]> = touching.flat_map(couples).collect();
+    coupled.sort_unstable();
+    coupled.dedup();
+    assert_eq!(goal.energy(x).to_bits(), energy.to_bits());
+    assert_eq!(goal.contacts(x, 0.25), coupled);
+    energy > 0.0
+}
+
+/// Shapes of a sheet with a slit, much larger than its contact distance: wound to all radii, pleated, waved, rolled along slanted
+/// lines, noisy, crumpled.
+fn postures(mesh: &FlatMesh) -> Vec<Vec<DVec3>> {
+    let roll = |r: f64, slant: f64| {
+        positions(mesh, |p| {
+            let (u, v) = (p.x + slant * p.y, p.y - slant * p.x);
+            DVec3::new(r * (u / r).sin(), v, r - r * (u / r).cos())
+        })
+    };
+    let pleat = |width: f64, rise: f64| {
+        positions(mesh, |p| {
+            let t = (p.x / width).rem_euclid(2.0);
+            DVec3::new(0.12 * p.x, p.y, rise * if t < 1.0 { t } else { 2.0 - t })
+        })
+    };
+    let flat = positions(mesh, |p| p.extend(0.0));
+    let noisy = |size: f64, seed: usize| -> Vec<DVec3> {
+        flat.iter().zip(shaken(flat.len(), seed, size)).map(|(x, d)| *x + d).collect()
+    };
+    let mut all: Vec<_> = [100.0, 12.0, 6.0, 3.8, 3.4, 2.9].map(|r| roll(r, 0.0)).to_vec();
+    all.extend([30.0, 5.0, 2.5].map(|r| roll(r, 0.4)));
+    all.extend([(9.0, 2.0), (9.0, 8.9), (5.0, 4.9), (7.0, 0.3)].map(|(w, h)| pleat(w, h)));
+    all.extend([(0.1, 3), (0.4, 4), (1.5, 5), (6.0, 6)].map(|(size, seed)| noisy(size, seed)));
+    all.push(flat.iter().map(|x| 0.5 * *x).collect());
+    all.push(flat.iter().map(|x| DVec3::new(0.7 * x.x, x.y, 0.0)).collect());
+    all.push(flat);
+    all
+}
+
+/// A sheet cut open along a line, whose lips are two rows of vertices at the same places.
+fn slit(mesh: &FlatMesh) -> FlatMesh {
+    let (mut vertices, mut twin) = (mesh.vertices.clone(), std::collections::BTreeMap::new());
+    let on = |p: DVec2| p.x == 12.0 && p.y > 3.0;
+    let triangles = mesh.triangles.iter().map(|t| {
+        let right = t.iter().map(|v| mesh.vertices[v.index()].x).sum::<f64>() > 36.0;
+        t.map(|v| match right && on(mesh.vertices[v.index()]) {
+            true => *twin.entry(v.0).or_insert_with(|| {
+                vertices.push(mesh.vertices[v.index()]);
+                VertexId::new(vertices.len() - 1)
+            }),
+            false => v,
+        })
+    });
+    let triangles: Vec<_> = triangles.collect();
+    let sites = vec![Site::Interior; vertices.len()];
+    FlatMesh::new(vertices, sites, triangles, |_, boundary| match boundary {
+        true => EdgeClass::Boundary { loop_id: LoopId(0) },
+        false => EdgeClass::Facet,
+    })
+}
+
+#[test]
+fn the_search_finds_what_looking_at_all_pairs_finds() {
+    for mesh in [strip(26, 9, 1.0), irregular(26, 9, 1.0, 5), slit(&strip(26, 9, 1.0)), strip(60, 3, 0.4)] {
+        let (goal, pairs) = (SelfCollide::of_mesh(&mesh, OPTIONS), all_pairs(&mesh));
+        let touching = postures(&mesh).iter().filter(|x| agrees_with_all_pairs(&goal, &pairs, x)).count();
+        assert!(touching > 3 && touching + 3 < postures(&mesh).len(), "{touching}");
+    }
+}
+
+#[test]
+fn on_every_way_the_search_finds_what_looking_at_all_pairs_finds() {
+    let mesh = slit(&strip(26, 5, 1.0));
+    let (pairs, all) = (all_pairs(&mesh), postures(&mesh));
+    let (mut free, mut limited) = (0, 0);
+    for (k, from) in all.iter().enumerate().filter(|(_, x)| pairs.iter().all(|p| p.energy(x).is_finite())) {
+        for to in all.iter().skip(k % 3).step_by(3) {
+            let goal = SelfCollide::of_mesh(&mesh, OPTIONS);
+            // The sheet swings as it bends.
+            let turn = glam::DQuat::from_rotation_x(0.05 * k as f64);
+            let step: Vec<DVec3> =
+                from.iter().zip(to).map(|(x, to)| turn * *to + 40.0 * DVec3::Y - *x).collect();
+            let most = goal.largest_step(from, &step);
+            let at =
+                |t: f64| -> Vec<DVec3> { from.iter().zip(&step).map(|(x, d)| *x + t * most * *d).collect() };
+            for t in [0.3, 1.0] {
+                agrees_with_all_pairs(&goal, &pairs, &at(t));
+                assert!(goal.energy(&at(t)).is_finite(), "{k} {most} {t}");
+            }
+            if most < 1.0 { limited += 1 } else { free += 1 }
+        }
+    }
+    assert!(limited > 10 && free > 10, "{limited} {free}");
+}
+
+/// What makes it fast: of a gently bent sheet that swings about, no pair at all is looked at closely.
+#[test]
+fn where_the_sheet_bends_little_nothing_is_looked_at() {
+    let mesh = strip(60, 40, 0.5);
+    let sheet = Sheet::new(&mesh, OPTIONS.gap());
+    let roll = |r: f64| positions(&mesh, |p| DVec3::new(r * (p.x / r).sin(), p.y, r - r * (p.x / r).cos()));
+    let turn = glam::DQuat::from_rotation_y(0.4);
+    let step: Vec<DVec3> = roll(60.0).iter().zip(roll(50.0)).map(|(x, to)| turn * to - *x).collect();
+    assert_eq!(sheet.candidates(&roll(60.0), &step, 0.25, true).unwrap().all().count(), 0);
+    // Nearly a full turn does touch.
+    assert!(sheet.candidates(&roll(4.95), &[], 0.25, true).unwrap().all().count() > 0);
 }
 
 #[test]
