@@ -276,7 +276,11 @@ fn folding_by_crease_angles_tends_to_the_closed_forms_as_the_sheet_gets_thinner(
         let thinner = THINNER[1..].iter().map(|faces| (*faces, 1.0));
         let x = thinner.fold(thick, fold_on);
         let last = folded(truth, &truth.crease_angles(THINNER[THINNER.len() - 1], 1.0), &x, &as_it_is);
-        say(&format!("{}: {before_mm:.4} mm off while thick, {:.4} mm thin", truth.name, off_mm(&last.positions)));
+        say(&format!(
+            "{}: {before_mm:.4} mm off while thick, {:.4} mm thin",
+            truth.name,
+            off_mm(&last.positions)
+        ));
         last
     });
 }
