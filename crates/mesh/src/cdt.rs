@@ -146,7 +146,8 @@ fn constrain(
     let vertex = |v: u32| FixedVertexHandle::from_index(v as usize);
     for (edge, _) in &graph.constraints {
         let [a, b] = ends(edge).map(vertex);
-        if cdt.try_add_constraint(a, b).is_empty() {
+        // Two or more edges would lead through a point that lies on it.
+        if cdt.try_add_constraint(a, b).len() != 1 {
             return Err(crossing(graph, *edge));
         }
     }

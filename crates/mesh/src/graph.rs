@@ -9,10 +9,13 @@ use crate::shared::SharedPoints;
 use crate::size::SizeField;
 use crate::stretch::{Stretch, stretches};
 use crate::tracks::{Span, Track};
-use crate::{MeshOptions, places};
+use crate::{MeshOptions, overlap, places};
 use glam::DVec2;
 use softfold_geometry::{LineEnd, LoopId, OutlinePoint, Site, SoftPattern, VertexId, polygon};
 use std::collections::BTreeSet;
+
+/// Lines that pass a point of a slit within this share of the distance below which places are one go through it.
+const TOUCH: f64 = 1e-6;
 
 /// Collects points with their sites and the constraints between them.
 pub(crate) struct GraphBuilder<'a> {
@@ -74,8 +77,12 @@ impl<'a> GraphBuilder<'a> {
             self.stretch(&stretch, number as u32);
         }
         (0..soft.junctions.len()).for_each(|j| self.junction(j));
+        let first_slit = soft.loops.len().min(self.on_curves.len());
+        let on_slits = self.on_curves[first_slit..].iter().flatten().map(|p| p.1).collect();
         let graph = PlanarGraph { points: self.points, constraints: self.constraints };
-        Planar { graph, sites: self.sites, spans: self.spans, tracks: self.tracks }
+        let mut planar = Planar { graph, sites: self.sites, spans: self.spans, tracks: self.tracks };
+        overlap::cut_at(&mut planar, &on_slits, TOUCH * self.boundaries.same_mm);
+        planar
     }
 
     fn vertex(&mut self, point: DVec2, site: Site) -> VertexId {

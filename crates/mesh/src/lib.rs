@@ -21,6 +21,7 @@ mod mend;
 mod net;
 mod noding;
 mod order;
+mod overlap;
 mod paper;
 mod places;
 mod quality;
