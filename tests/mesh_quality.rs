@@ -1,4 +1,4 @@
-//! Meshes of other people's patterns, from `../shared/patterns`: angles, area, fold lines and chords of every pattern that
+//! Meshes of other people's patterns, from the collection beside the checkout: angles, area, fold lines and chords of every pattern that
 //! can be read, sharp; and of those with curves also softened as widely as they can be.
 
 #![allow(

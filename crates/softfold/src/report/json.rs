@@ -125,12 +125,16 @@ pub struct Mesh {
     /// Median of the triangles' smallest angles, degrees.
     pub median_min_angle_deg: f64,
     /// Smallest angle but for places that the pattern itself makes sharp, degrees.
+    #[serde(default)]
     pub own_min_angle_deg: f64,
     /// Places that the pattern itself makes sharp: acute corners, curves that all but touch.
+    #[serde(default)]
     pub sharp_places: usize,
     /// Triangles that lie there.
+    #[serde(default)]
     pub sharp_triangles: usize,
     /// Largest distance of fold lines and boundaries from their edges, mm.
+    #[serde(default)]
     pub chord_mm: f64,
     /// `spade` or `cgal`.
     pub backend: String,
@@ -194,6 +198,7 @@ pub struct Fold {
     /// Iterations in all.
     pub iterations: u32,
     /// Numeric factorisations on the sheet's own mesh.
+    #[serde(default)]
     pub factorisations: u32,
     /// The meshes of a multilevel solve, from the coarsest to the sheet's own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
