@@ -216,7 +216,8 @@ impl Fault {
 
 fn misfit_mend(name: &str, why: &Misfit, largest: Option<f64>) -> String {
     let fits = |name: &str, radius: Option<f64>| match radius {
-        Some(r) => format!("the largest radius that fits '{name}' is {}", length(r)),
+        Some(0.0) => format!("'{name}' fits as a sharp fold only, with radius 0"),
+        Some(r) => format!("the largest radius that fits '{name}' is {}", floor_length(r)),
         None => format!("no radius fits '{name}'"),
     };
     match why {
@@ -237,6 +238,11 @@ fn misfit_mend(name: &str, why: &Misfit, largest: Option<f64>) -> String {
 /// A length as a message says it.
 fn length(mm: f64) -> String {
     if mm < LONGEST_WRITTEN_OUT_MM { format!("{mm:.3} mm") } else { format!("{mm:e} mm") }
+}
+
+/// A length as a message says it, never more than it is.
+fn floor_length(mm: f64) -> String {
+    length(if mm < LONGEST_WRITTEN_OUT_MM { (1e3 * mm).floor() / 1e3 } else { mm })
 }
 
 /// In percent with two digits, never more than it is.
