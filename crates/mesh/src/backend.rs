@@ -1,9 +1,7 @@
 //! The libraries that triangulate, behind one trait.
 
 use crate::MeshError;
-use crate::cdt::{
-    Backend, Constraint, Inserted, PlanarGraph, boundary, cgal_triangles, on_sheet, spade_hull,
-};
+use crate::cdt::{Backend, Constraint, Hull, PlanarGraph, boundary, cgal_triangles, on_sheet, spade_hull};
 use crate::noding::{Noded, noded};
 use glam::DVec2;
 use softfold_geometry::VertexId;
@@ -74,12 +72,11 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl Triangulate for Spade {
     fn planar(&self, graph: &PlanarGraph) -> Result<Vec<[VertexId; 3]>, MeshError> {
-        Ok(caught(graph)?.by_input())
+        Ok(caught(graph)?.triangles())
     }
 
     fn sheet(&self, graph: &PlanarGraph) -> Result<Vec<[VertexId; 3]>, MeshError> {
-        // While the vertices of a triangle are near each other in memory.
-        Ok(caught(graph)?.of_sheet(graph).by_input())
+        Ok(caught(graph)?.sheet())
     }
 
     fn crossing(&self, points: &[DVec2], constraints: &[[VertexId; 2]]) -> Result<Arranged, MeshError> {
@@ -92,7 +89,7 @@ impl Triangulate for Spade {
 }
 
 /// A panic of a library on a user's lines is an error, not the end of the program.
-fn caught(graph: &PlanarGraph) -> Result<Inserted, MeshError> {
+fn caught(graph: &PlanarGraph) -> Result<Hull, MeshError> {
     let outcome = catch_unwind(AssertUnwindSafe(|| spade_hull(graph)));
     let stopped =
         || MeshError::Triangulation("spade stopped on these points; try backend = \"cgal\"".to_owned());

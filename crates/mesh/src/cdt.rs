@@ -4,8 +4,8 @@ use crate::net::Net;
 use crate::{MeshError, order};
 use glam::DVec2;
 use softfold_geometry::{CreaseId, LoopId, VertexId};
-use spade::handles::FixedVertexHandle;
-use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation};
+use spade::handles::{FaceHandle, FixedDirectedEdgeHandle, FixedVertexHandle, InnerTag};
+use spade::{CdtEdge, ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation};
 
 /// Which library triangulates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,18 +84,20 @@ pub fn triangulate(graph: &PlanarGraph, backend: Backend) -> Result<Triangulated
 /// spares flips (a biased order of insertion in two rounds; Amenta, Choi, Rote 2003).
 const COARSE: usize = 32;
 
-/// Triangles of the hull with vertices numbered in the order of insertion.
-pub(crate) struct Inserted {
-    triangles: Vec<[VertexId; 3]>,
+type Spade = ConstrainedDelaunayTriangulation<Point2<f64>>;
+
+/// The triangulation of the hull, with vertices numbered in the order of insertion.
+pub(crate) struct Hull {
+    cdt: Spade,
     /// The point of the graph that each vertex is.
     inputs: Vec<u32>,
-    /// The other way round.
-    inserted: Vec<u32>,
+    /// Pieces of boundary, with the sheet to their left.
+    boundary: Vec<FixedDirectedEdgeHandle>,
 }
 
 /// Points come along a Hilbert curve: each is found at once from the one before it, and what belongs together lies
 /// together in memory. At a million points that takes a quarter of the time of spade's own bulk load.
-pub(crate) fn spade_hull(graph: &PlanarGraph) -> Result<Inserted, MeshError> {
+pub(crate) fn spade_hull(graph: &PlanarGraph) -> Result<Hull, MeshError> {
     let along = order::along_hilbert(&graph.points);
     let coarse = along.iter().step_by(COARSE);
     let fine = along.iter().enumerate().filter(|(i, _)| i % COARSE != 0).map(|(_, v)| v);
@@ -110,56 +112,71 @@ pub(crate) fn spade_hull(graph: &PlanarGraph) -> Result<Inserted, MeshError> {
         }
         inserted[input as usize] = i as u32;
     }
-    let ends = |e: &[VertexId; 2]| e.map(|v| inserted[v.index()]);
-    constrain(&mut cdt, graph, ends)?;
-    let triangles = cdt.inner_faces().map(|f| f.vertices().map(|v| VertexId::new(v.fix().index()))).collect();
-    Ok(Inserted { triangles, inputs, inserted })
+    let boundary = constrain(&mut cdt, graph, &inserted)?;
+    Ok(Hull { cdt, inputs, boundary })
 }
 
-impl Inserted {
+impl Hull {
     /// Whether there is no triangle.
     pub(crate) fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
+        self.cdt.num_inner_faces() == 0
     }
 
-    /// Those of the sheet.
-    pub(crate) fn of_sheet(mut self, graph: &PlanarGraph) -> Self {
-        let ends = boundary(graph).map(|(e, _)| e.map(|v| VertexId(self.inserted[v.index()])));
-        self.triangles = on_sheet(self.inputs.len(), ends, self.triangles);
-        self
+    /// All triangles, by the points of the graph.
+    pub(crate) fn triangles(&self) -> Vec<[VertexId; 3]> {
+        self.cdt.inner_faces().map(|f| self.corners(f)).collect()
     }
 
-    /// The triangles by the points of the graph.
-    pub(crate) fn by_input(mut self) -> Vec<[VertexId; 3]> {
-        self.triangles.iter_mut().for_each(|t| *t = t.map(|v| VertexId(self.inputs[v.index()])));
-        self.triangles
+    /// Those of the sheet: reached from the left of a piece of boundary without crossing any.
+    pub(crate) fn sheet(&self) -> Vec<[VertexId; 3]> {
+        let mut walls = vec![false; self.cdt.num_undirected_edges()];
+        self.boundary.iter().for_each(|e| walls[e.as_undirected().index()] = true);
+        let mut reached = vec![false; self.cdt.num_all_faces()];
+        let left = |e: &FixedDirectedEdgeHandle| self.cdt.directed_edge(*e).face().as_inner();
+        let mut open: Vec<_> = self.boundary.iter().filter_map(left).collect();
+        let mut sheet = Vec::with_capacity(self.cdt.num_inner_faces());
+        while let Some(face) = open.pop() {
+            if std::mem::replace(&mut reached[face.fix().index()], true) {
+                continue;
+            }
+            sheet.push(self.corners(face));
+            let free = face.adjacent_edges().into_iter().filter(|e| !walls[e.as_undirected().fix().index()]);
+            open.extend(free.filter_map(|e| e.rev().face().as_inner()));
+        }
+        sheet
+    }
+
+    fn corners(&self, face: FaceHandle<'_, InnerTag, Point2<f64>, (), CdtEdge<()>, ()>) -> [VertexId; 3] {
+        face.vertices().map(|v| VertexId(self.inputs[v.fix().index()]))
     }
 }
 
-type Spade = ConstrainedDelaunayTriangulation<Point2<f64>>;
-
+/// Adds all constraints; the pieces of boundary among them.
 fn constrain(
     cdt: &mut Spade,
     graph: &PlanarGraph,
-    ends: impl Fn(&[VertexId; 2]) -> [u32; 2],
-) -> Result<(), MeshError> {
-    let vertex = |v: u32| FixedVertexHandle::from_index(v as usize);
-    for (edge, _) in &graph.constraints {
-        let [a, b] = ends(edge).map(vertex);
+    inserted: &[u32],
+) -> Result<Vec<FixedDirectedEdgeHandle>, MeshError> {
+    let ends = |e: &[VertexId; 2]| e.map(|v| FixedVertexHandle::from_index(inserted[v.index()] as usize));
+    let mut boundary = Vec::new();
+    for (edge, what) in &graph.constraints {
+        let [a, b] = ends(edge);
         // Two or more edges would lead through a point that lies on it.
-        if cdt.try_add_constraint(a, b).len() != 1 {
-            return Err(crossing(graph, *edge));
+        match cdt.try_add_constraint(a, b)[..] {
+            [piece] if matches!(what, Constraint::Boundary { .. }) => boundary.push(piece),
+            [_] => (),
+            _ => return Err(crossing(graph, *edge)),
         }
     }
     if cdt.num_constraints() != graph.constraints.len() {
         let is_whole = |e: &[VertexId; 2]| {
-            let [a, b] = ends(e).map(vertex);
+            let [a, b] = ends(e);
             cdt.get_edge_from_neighbors(a, b).is_some()
         };
         let cut = graph.constraints.iter().map(|(e, _)| *e).find(|e| !is_whole(e));
         return Err(crossing(graph, cut.unwrap_or_default()));
     }
-    Ok(())
+    Ok(boundary)
 }
 
 /// Names the two constraints of which one was refused.
