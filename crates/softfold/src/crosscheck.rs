@@ -42,12 +42,14 @@ impl Found {
     pub fn words(&self) -> String {
         let l = &self.lines;
         let mut text = format!(
-            "lines: {} meetings, {} at the tolerance of {:.1e} mm, {} missed, {} points astray\n",
+            "lines: {} meetings, {} at the tolerance of {:.1e} mm, {} missed, {} points astray, hulls differ by {:.2} of what \
+             the tolerance allows\n",
             l.meetings,
             l.marginal,
             l.tolerance_mm,
             l.missed.len(),
-            l.astray.len()
+            l.astray.len(),
+            l.area_over_allowance
         );
         for (name, check) in [("their pieces", &l.pieces), ("mesh", &self.mesh)] {
             // Writing to a string cannot fail.
@@ -139,6 +141,75 @@ impl From<&Found> for json::Crosschecks {
             tolerance_mm: l.tolerance_mm,
             places_mm: found.faults().map(|p| p.to_array()).collect(),
             refusals: [&l.pieces, &found.mesh].into_iter().filter_map(|c| c.refusal.clone()).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn agreed() -> Found {
+        let mesh = Crosscheck {
+            constraints_held: true,
+            area_relative_difference: 0.0,
+            cocircular_differences: vec![DVec2::new(9.0, 9.0)],
+            other_differences: vec![],
+            refusal: None,
+        };
+        let lines = CrossingCheck {
+            pieces: mesh.clone(),
+            meetings: 4,
+            marginal: 0,
+            missed: vec![],
+            astray: vec![],
+            area_over_allowance: 0.1,
+            tolerance_mm: 1e-9,
+        };
+        Found { lines, mesh }
+    }
+
+    #[test]
+    fn cocircular_points_are_no_fault() {
+        assert!(agreed().agrees());
+        assert_eq!(agreed().faults().count(), 0);
+        assert!(!agreed().words().contains(" at ("), "{}", agreed().words());
+    }
+
+    #[test]
+    fn every_fault_ends_agreement_and_is_told_with_its_place() {
+        let at = DVec2::new(12.5, -3.25);
+        let spoil: [fn(&mut Found, DVec2); 4] = [
+            |f, at| f.mesh.other_differences.push(at),
+            |f, at| f.lines.pieces.other_differences.push(at),
+            |f, at| f.lines.missed.push(at),
+            |f, at| f.lines.astray.push(at),
+        ];
+        for spoil in spoil {
+            let mut found = agreed();
+            spoil(&mut found, at);
+            assert!(!found.agrees());
+            assert!(found.words().contains("at (12.500, -3.250) mm"), "{}", found.words());
+            assert_eq!(json::Crosschecks::from(&found).places_mm, [at.to_array()]);
+        }
+    }
+
+    #[test]
+    fn a_broken_constraint_a_lost_area_and_a_refusal_end_agreement() {
+        let spoil: [(fn(&mut Found), &str); 4] = [
+            (|f| f.mesh.constraints_held = false, "BROKEN"),
+            (|f| f.lines.pieces.area_relative_difference = 1e-6, "1.0e-6"),
+            (|f| f.lines.area_over_allowance = 2.0, "2.00 of what"),
+            (
+                |f| f.mesh.refusal = Some("spade alone refuses it: why".to_owned()),
+                "spade alone refuses it: why",
+            ),
+        ];
+        for (spoil, said) in spoil {
+            let mut found = agreed();
+            spoil(&mut found);
+            assert!(!found.agrees());
+            assert!(found.words().contains(said), "{}", found.words());
         }
     }
 }
