@@ -8,9 +8,12 @@
 )]
 
 mod common;
+#[path = "common/facts.rs"]
+mod facts;
 #[path = "common/readers.rs"]
 mod readers;
 
+use facts::{assert_near, number, product, solid_volume};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -85,18 +88,6 @@ impl Run {
 
 fn stem(file: &std::path::Path) -> String {
     file.file_stem().expect("a file name").to_string_lossy().into_owned()
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
-}
-
-fn assert_near(what: &str, value: f64, wanted: f64, relative: f64) {
-    let error = (value - wanted).abs() / wanted.abs();
-    assert!(
-        error <= relative,
-        "{what}: {value} instead of {wanted}: off by {error:.2e}, allowed {relative:.0e}"
-    );
 }
 
 #[test]
@@ -241,27 +232,6 @@ fn outside_readers_tell_good_files_from_faulty_ones() {
     let Some(said) = readers::self_test() else { return };
     assert_eq!(said["failed"], serde_json::json!([]));
     assert!(number(&said["checks"]) >= 30.0, "{said}");
-}
-
-/// The one product of a STEP file, by its name, in millimetres.
-fn product(facts: &Value, name: &str) -> Value {
-    let units: Vec<String> =
-        facts["units"].as_array().unwrap().iter().map(|u| u.to_string().to_lowercase()).collect();
-    assert_eq!(units, ["\"millimetre\""], "{name}");
-    let products = facts["products"].as_array().unwrap();
-    assert_eq!(products.len(), 1, "{name}: products");
-    assert_eq!(products[0]["name"], name);
-    assert_eq!(products[0]["valid"], true, "{name}");
-    products[0].clone()
-}
-
-/// The volume of the one valid closed solid that a STEP file holds.
-fn solid_volume(facts: &Value, name: &str) -> f64 {
-    let product = product(facts, name);
-    let solids = product["solids"].as_array().unwrap();
-    assert_eq!(solids.len(), 1, "{name}: solids");
-    assert!(solids[0]["valid"] == true && solids[0]["closed"] == true, "{name}: {}", solids[0]);
-    number(&solids[0]["volume_mm3"])
 }
 
 #[test]

@@ -1,9 +1,9 @@
-// Volume and center of a solid of density 1.
+// Volume and center of a solid of density 1, to about this share of themselves.
 #pragma once
 
 #include <TopoDS_Shape.hxx>
 
 namespace softfold::occt {
 struct Mass;
-Mass mass_properties(const TopoDS_Shape& shape);
+Mass mass_properties(const TopoDS_Shape& shape, double relative);
 }  // namespace softfold::occt

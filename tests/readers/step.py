@@ -27,7 +27,7 @@ from OCP.TopAbs import TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
 from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
-VOLUME_EPS = 1e-9  # relative, per face
+VOLUME_EPS = 1e-8  # relative, per face
 
 
 def parts(shape, kind):

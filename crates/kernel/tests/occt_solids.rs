@@ -28,7 +28,7 @@ fn assert_valid(shape: &Shape) {
 }
 
 fn volume(shape: &Shape) -> f64 {
-    occt::mass_properties(shape).unwrap().volume_mm3
+    occt::mass_properties(shape, 1e-6).unwrap().volume_mm3
 }
 
 /// de Boor's basis on uniform knots: what the surface must be.
@@ -69,7 +69,7 @@ fn a_flat_face_has_its_outlines_area() {
     let flat = graph_surface(12, 40.0, |_, _| 7.0);
     let face = occt::trimmed_face(&flat, &[polygon(&OUTLINE), polygon(&HOLE)]).unwrap();
     assert_eq!(face.kind(), ShapeKind::Face);
-    assert!(occt::mass_properties(&face).is_err(), "a face has no volume");
+    assert!(occt::mass_properties(&face, 1e-6).is_err(), "a face has no volume");
     assert_close(occt::area(&face).unwrap(), polygon_area(&OUTLINE) + polygon_area(&HOLE), 1e-9);
 }
 
@@ -177,7 +177,7 @@ fn a_box_has_a_boxs_measures() {
     let shape = occt::extruded_polygon(&[[0.0, 0.0], [0.0, 4.0], [6.0, 4.0], [6.0, 0.0]], 1.0, 3.0).unwrap();
     assert_valid(&shape);
     assert_eq!(occt::counts(&shape).unwrap(), Counts { solids: 1, shells: 1, faces: 6, edges: 12 });
-    let mass = occt::mass_properties(&shape).unwrap();
+    let mass = occt::mass_properties(&shape, 1e-6).unwrap();
     assert_close(mass.volume_mm3, 48.0, 1e-12);
     assert_close(occt::area(&shape).unwrap(), 2.0 * (24.0 + 12.0 + 8.0), 1e-9);
     for (found, wanted) in mass.center.iter().zip([3.0, 2.0, 2.0]) {
@@ -190,7 +190,7 @@ fn turning_a_shape_turns_its_center() {
     let shape = occt::extruded_polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]], 0.0, 2.0).unwrap();
     let quarter = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
     let turned = occt::transformed(&shape, quarter, [10.0, 20.0, 30.0]).unwrap();
-    let center = occt::mass_properties(&turned).unwrap().center;
+    let center = occt::mass_properties(&turned, 1e-6).unwrap().center;
     for (found, wanted) in center.iter().zip([9.0, 21.0, 31.0]) {
         assert_close(*found, wanted, 1e-12);
     }

@@ -34,7 +34,7 @@ fn options(schema: StepSchema) -> StepOptions {
 }
 
 fn volume(shape: &Shape) -> f64 {
-    occt::mass_properties(shape).unwrap().volume_mm3
+    occt::mass_properties(shape, 1e-6).unwrap().volume_mm3
 }
 
 #[test]

@@ -5,18 +5,26 @@ use crate::error::{During, MoldError, Setting};
 use crate::samples::{LatticeSample, TrimIndex, border};
 use crate::spline::{bspline, trim_loops};
 use glam::{DVec2, DVec3};
-use softfold_geometry::{PlanarCurve, SheetSurface, SurfacePoint, UniformBicubic, surface::DEGREE};
+use softfold_geometry::{PlanarCurve, SheetSurface, SurfacePoint, UniformBicubic};
 use softfold_kernel::occt::{self, Shape};
 
-/// Largest distance of a skin from the true offset, mm: a twentieth of what a board can be measured to.
-const OFFSET_ERROR_MM: f64 = 0.05;
-/// The lattice is halved at most this often: 16 times finer than the sheet's own, 256 times the poles.
-const MOST_REFINEMENTS: usize = 4;
+/// Largest distance of a skin from the true offset, mm: less than half of what the sheet itself may be off.
+const OFFSET_ERROR_MM: f64 = 0.02;
+/// No finer than this share of the sheet's own lattice: 256 times its poles.
+const FINEST: f64 = 1.0 / 16.0;
+/// A lattice that is too coarse becomes finer by at least the first and at most the second factor at a time, as the error
+/// asks that falls with its third power: it is as large as the jumps of the offset's second derivatives.
+const FINER: [f64; 2] = [0.9, 0.5];
+const ORDER: f64 = 3.0;
+/// A lattice may end short of the domain by this share of a cell, for the sake of rounding.
+const CELL_ROUNDING: f64 = 1e-9;
 /// Places per lattice cell and direction at which skins and curvatures are looked at.
 const SAMPLES_PER_CELL: f64 = 3.0;
 /// A skin must stay this share of the radius away from the centre of curvature: nearer than that its own radius is
 /// below any tool and the offset's normals turn over with the rounding of the surface.
 const CENTRE_CLEARANCE: f64 = 1e-3;
+/// Asked of the integration of its volume, which then is right to about 1e-7: other programs shall find the same.
+const VOLUME_ACCURACY: f64 = 1e-7;
 /// kg/m³ to kg/mm³.
 const PER_CUBIC_MM: f64 = 1e-9;
 
@@ -99,8 +107,8 @@ pub struct Board {
 
 /// Makes the board of a sheet.
 ///
-/// Skins are `S + d·n` interpolated at the knots of the sheet's own lattice, or of one halved until the skins are within
-/// 0.05 mm of the exact offset wherever they were looked at (`offset_error_mm` tells what was reached).
+/// Skins are `S + d·n` interpolated at the knots of a lattice as fine as the sheet's own, or finer, until they are within
+/// 0.02 mm of the exact offset wherever they were looked at (`offset_error_mm` tells what was reached).
 ///
 /// # Errors
 /// Options that are not positive, a trim that leaves the surface, skins that pass a centre of curvature, a solid that
@@ -116,7 +124,7 @@ pub fn make_board(sheet: &SheetSurface, options: &BoardOptions) -> Result<Board,
     let shape = occt::board_solid(&bspline(&lower), &bspline(&upper), &trim_loops(&sheet.trim))
         .during(|| "the board".into())?;
     require_valid(&shape, "the board")?;
-    let mass = occt::mass_properties(&shape).during(|| "the board's mass".into())?;
+    let mass = occt::mass_properties(&shape, VOLUME_ACCURACY).during(|| "the board's mass".into())?;
     Ok(Board {
         shape,
         lower,
@@ -207,56 +215,46 @@ fn smallest_radius(curved: &[(DVec2, [f64; 2])], offset_mm: f64) -> SkinRadius {
     all.fold(flat, |best, r| if r.radius_mm < best.radius_mm { r } else { best })
 }
 
-/// Both skins on the coarsest lattice that keeps the offset error, and the error reached.
+/// Both skins on a lattice that is fine enough for the offset error, and the error reached.
 fn skins(surface: &UniformBicubic, offsets_mm: [f64; 2], places: &[DVec2]) -> ([UniformBicubic; 2], f64) {
     let exact: Vec<SurfacePoint> = places.iter().map(|&uv| surface.at(uv)).collect();
-    let mut base = surface.clone();
-    for _ in 0..MOST_REFINEMENTS {
-        let (skins, error) = skins_on(&base, offsets_mm, places, &exact);
-        if error <= OFFSET_ERROR_MM {
+    let mut spacing_mm = surface.spacing_mm;
+    loop {
+        let skins = offsets_mm.map(|d| offset_skin(surface, d, spacing_mm));
+        let off = |(skin, d): (&UniformBicubic, f64)| offset_error_mm(skin, d, places, &exact);
+        let error = skins.iter().zip(offsets_mm).map(off).fold(0.0, f64::max);
+        let finer = spacing_mm * (0.95 * OFFSET_ERROR_MM / error).powf(1.0 / ORDER).clamp(FINER[1], FINER[0]);
+        if error <= OFFSET_ERROR_MM || finer < FINEST * surface.spacing_mm {
             return (skins, error);
         }
-        base = base.refined();
+        spacing_mm = finer;
     }
-    skins_on(&base, offsets_mm, places, &exact)
 }
 
-/// Both skins on this lattice, and their largest distance from the exact offset.
-fn skins_on(
-    base: &UniformBicubic,
-    offsets_mm: [f64; 2],
-    places: &[DVec2],
-    exact: &[SurfacePoint],
-) -> ([UniformBicubic; 2], f64) {
-    let skins = offsets_mm.map(|d| offset_skin(base, d));
-    let error = |(skin, d): (&UniformBicubic, f64)| {
-        let off =
-            |(uv, p): (&DVec2, &SurfacePoint)| skin.at(*uv).position.distance(p.position + d * p.normal());
-        places.iter().zip(exact).map(off).fold(0.0, f64::max)
+/// Largest distance of a skin from the exact offset.
+fn offset_error_mm(skin: &UniformBicubic, offset_mm: f64, places: &[DVec2], exact: &[SurfacePoint]) -> f64 {
+    let off = |(uv, p): (&DVec2, &SurfacePoint)| {
+        skin.at(*uv).position.distance(p.position + offset_mm * p.normal())
     };
-    let largest = skins.iter().zip(offsets_mm).map(error).fold(0.0, f64::max);
-    (skins, largest)
+    places.iter().zip(exact).map(off).fold(0.0, f64::max)
 }
 
-/// `S + d·n` through the knots: the displacement is interpolated and added to the surface's own poles, so that nothing
-/// is lost where the sheet is flat or the offset is none.
-fn offset_skin(surface: &UniformBicubic, offset_mm: f64) -> UniformBicubic {
+/// `S + d·n` through the knots of a lattice over the surface's domain, or a little more of it.
+fn offset_skin(surface: &UniformBicubic, offset_mm: f64, spacing_mm: f64) -> UniformBicubic {
     if offset_mm == 0.0 {
         return surface.clone();
     }
-    let (lower, _) = surface.domain();
-    let inner = surface.count.map(|n| n + 1 - DEGREE);
-    let knot =
-        |k: usize| lower + surface.spacing_mm * DVec2::new((k / inner[1]) as f64, (k % inner[1]) as f64);
-    let moves: Vec<_> = (0..inner[0] * inner[1]).map(|k| offset_mm * surface.at(knot(k)).normal()).collect();
-    match UniformBicubic::interpolating(surface.origin, surface.spacing_mm, surface.count, &moves) {
-        Ok(moves) => {
-            let poles = surface.poles.iter().zip(&moves.poles).map(|(p, m)| *p + *m).collect();
-            UniformBicubic { poles, ..moves }
-        }
-        // A lattice of four poles has too few knots for the end conditions; one halving gives five.
-        Err(_) => offset_skin(&surface.refined(), offset_mm),
-    }
+    let (lower, upper) = surface.domain();
+    let cells = ((upper - lower) / spacing_mm - CELL_ROUNDING).ceil();
+    let inner = [cells.x as usize + 1, cells.y as usize + 1];
+    let through = |k: usize| {
+        let p = surface.at(lower + spacing_mm * DVec2::new((k / inner[1]) as f64, (k % inner[1]) as f64));
+        p.position + offset_mm * p.normal()
+    };
+    let values: Vec<_> = (0..inner[0] * inner[1]).map(through).collect();
+    // A lattice of four poles has too few knots for the end conditions; one of half the spacing has five.
+    UniformBicubic::interpolating(lower - spacing_mm, spacing_mm, inner.map(|n| n + 2), &values)
+        .unwrap_or_else(|_| offset_skin(surface, offset_mm, 0.5 * spacing_mm))
 }
 
 #[cfg(test)]

@@ -15,6 +15,8 @@ use softfold_kernel::occt::{self, Shape};
 use softfold_kernel::{BooleanOperation, MeshBuffers, MeshView, cgal, openmesh};
 use std::sync::mpsc;
 
+/// Asked of the integration of a part's volume: far more than printers hold.
+const VOLUME_ACCURACY: f64 = 1e-6;
 /// The cutting box reaches this far above and below the sheet, and the tools below the mold, mm: any room will do.
 const ROOM_MM: f64 = 10.0;
 /// Grooves are cut into a part as far as this beyond its sides, mm, so that no tool ends in the plane of a cut.
@@ -187,7 +189,7 @@ impl Common<'_> {
     /// The exact solid and its volume: the sheet's face inside the squares, swept down.
     fn exact(&self, job: &Job, face: &Shape, faults: &mut Vec<String>) -> Option<(Shape, f64)> {
         let made = self.exact_shape(job, face).and_then(|shape| {
-            let volume = occt::mass_properties(&shape)?.volume_mm3;
+            let volume = occt::mass_properties(&shape, VOLUME_ACCURACY)?.volume_mm3;
             Ok((occt::check(&shape)?, shape, volume))
         });
         match made {

@@ -88,7 +88,7 @@ mod ffi {
             translation: [f64; 3],
         ) -> Result<UniquePtr<TopoDS_Shape>>;
         fn check(shape: &TopoDS_Shape) -> Result<Vec<String>>;
-        fn mass_properties(shape: &TopoDS_Shape) -> Result<Mass>;
+        fn mass_properties(shape: &TopoDS_Shape, relative: f64) -> Result<Mass>;
         fn area(shape: &TopoDS_Shape) -> Result<f64>;
         fn triangulate(shape: &TopoDS_Shape, linear: f64, angular: f64) -> Result<FlatMesh>;
         fn write_step(path: &str, parts: &Vec<StepPart>, header: &StepHeader) -> Result<()>;

@@ -1,12 +1,13 @@
 //! Which pairs can come near each other on a way: the broad phase.
 //!
-//! Near triangles are found by a tree of boxes (`tree.rs`), without those in windows of the sheet that bend so little that
+//! Near triangles are found by parry's tree of boxes (`tree.rs`), without those in windows of the sheet that bend so little that
 //! nothing in them meets (`window.rs`). Each vertex and edge belongs to one of its triangles (Curtis, Tamstorf & Manocha, *Fast collision
 //! detection for deformable models using representative-triangles*, 2008), so that no pair is found twice.
 
 use super::accd::approach_mm;
 use super::pair::{Gap, Pair};
-use super::tree::{Tree, Way};
+use super::tree::Tree;
+use super::way::Path;
 use super::window::Windows;
 use glam::{DVec2, DVec3};
 use softfold_geometry::{FlatMesh, polygon};
@@ -21,7 +22,7 @@ const SLACK: f64 = 1e-9;
 const CERTAIN: f64 = 1.0 + 1e-6;
 
 /// The sheet as its pairs see it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct Sheet {
     flat: Vec<DVec2>,
     /// Connected part of the sheet that each vertex is of, by its lowest vertex.
@@ -63,7 +64,7 @@ impl Sheet {
             }
         }
         let (flat, part) = (mesh.vertices.clone(), parts(mesh));
-        let tree = Tree::new(triangles.iter().map(|t| bounds(t.map(|v| flat[v as usize]))).collect());
+        let tree = Tree::new(triangles.clone(), &flat);
         let windows = Windows::new(mesh, &part, gap.contact_mm / FRAC_2_PI);
         Self { flat, part, triangles, owned, gap, tree, windows }
     }
@@ -72,7 +73,7 @@ impl Sheet {
         self.flat[vertex as usize]
     }
 
-    /// The pairs that can come within their contact distance and `spare` of it more on the way from `x` by `step` (empty: at
+    /// The pairs that can come within [`Gap::within_mm`] of `spare` on the way from `x` by `step` (empty: at
     /// `x`); none if there are too many to be looked at and the search is not `patient`.
     pub(super) fn candidates(
         &self,
@@ -81,28 +82,22 @@ impl Sheet {
         spare: f64,
         patient: bool,
     ) -> Option<Candidates> {
-        let apart = self.windows.apart(&self.triangles, x, step, CERTAIN * (1.0 + spare) * FRAC_2_PI);
-        let ways: Vec<Way> = (0..self.triangles.len()).map(|t| self.way(t, x, step)).collect();
+        let path = Path { x, step };
+        let calm = self.windows.calm(&self.triangles, path, CERTAIN * FRAC_2_PI);
         let most = if patient { usize::MAX } else { CROWDED * self.triangles.len() };
-        let reach_mm = (1.0 + spare) * self.gap.contact_mm;
-        let calm = |flat| self.windows.holding(flat).is_some_and(|w| apart[w]);
+        let reach_mm = (1.0 + spare + SLACK) * self.gap.contact_mm;
         let mut pairs = Vec::new();
-        for [a, b] in self.tree.pairs(&ways, reach_mm, calm, most)? {
+        for [a, b] in self.tree.pairs(path, reach_mm, |flat| calm.holds(flat), most)? {
             self.pairs_between(a as usize, b as usize, |pair| {
                 let approach = if step.is_empty() { 0.0 } else { approach_mm(&pair, step) };
                 let nearest_mm = pair.distance_mm(x) - approach;
-                if nearest_mm < (1.0 + spare) * pair.gap.contact_mm + SLACK * self.gap.contact_mm {
+                if nearest_mm < pair.gap.within_mm(spare) + SLACK * self.gap.contact_mm {
                     pairs.push(pair);
                 }
             });
         }
         let slack_mm = 0.5 * SLACK * self.gap.contact_mm;
         Some(Candidates { base: x.to_vec(), step: step.to_vec(), slack_mm, pairs })
-    }
-
-    fn way(&self, triangle: usize, x: &[DVec3], step: &[DVec3]) -> Way {
-        let motion = |v: u32| step.get(v as usize).copied().unwrap_or_default();
-        Way::around(self.triangles[triangle].map(|v| (x[v as usize], motion(v))))
     }
 
     /// Calls `f` for the pairs of two triangles' own elements.
@@ -137,8 +132,10 @@ impl Sheet {
         if self.part[v as usize] != self.part[w as usize] {
             return Some(self.gap);
         }
-        let share = (FRAC_2_PI * flat_mm() / self.gap.contact_mm).min(1.0);
-        let gap = Gap { least_mm: share * self.gap.least_mm, contact_mm: share * self.gap.contact_mm };
+        let bent_mm = FRAC_2_PI * flat_mm();
+        let share = (bent_mm / self.gap.contact_mm).min(1.0);
+        let gap =
+            Gap { least_mm: share * self.gap.least_mm, contact_mm: share * self.gap.contact_mm, bent_mm };
         (share > LEAST_SHARE).then_some(gap)
     }
 
@@ -176,11 +173,6 @@ fn parts(mesh: &FlatMesh) -> Vec<u32> {
         part[a.max(b) as usize] = a.min(b);
     }
     (0..part.len() as u32).map(|v| root(&part, v)).collect()
-}
-
-/// Lower and upper corner of a triangle on the flat sheet.
-fn bounds([a, b, c]: [DVec2; 3]) -> [DVec2; 2] {
-    [a.min(b).min(c), a.max(b).max(c)]
 }
 
 impl Candidates {

@@ -112,8 +112,13 @@ fn combined(x: &[DVec3; 4], weights: &[f64; 4]) -> DVec3 {
 }
 
 fn nearest<const N: usize>(candidates: [Closest; N]) -> Closest {
-    let nearer = |a: Closest, b: Closest| if b.squared_mm2() < a.squared_mm2() { b } else { a };
-    candidates[1..].iter().fold(candidates[0], |a, b| nearer(a, *b))
+    let mut least = &candidates[0];
+    for c in &candidates[1..] {
+        if c.squared_mm2() < least.squared_mm2() {
+            least = c;
+        }
+    }
+    *least
 }
 
 /// Inverse of the matrix of the products of up to two vectors.

@@ -22,6 +22,7 @@ mod pair;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod way;
 mod window;
 
 use super::{Curvature, Goal, Gradient, HessianSink, Moves, Part};
@@ -62,11 +63,11 @@ impl SelfCollideOptions {
     }
 
     fn gap(&self) -> Gap {
-        Gap { least_mm: self.thickness_mm, contact_mm: self.thickness_mm + self.reach_mm }
+        Gap::new(self.thickness_mm, self.thickness_mm + self.reach_mm)
     }
 }
 
-/// Most margin of [`Goal::contacts`] that is heeded, as share of the contact distance.
+/// Most margin of [`Goal::contacts`] that is heeded, as share of the contact distance; of neighbours less: [`Gap::within_mm`].
 const SPARE: f64 = 0.25;
 /// Share of a step that is looked at next if a step is too long to be searched at once.
 const SHORTER: f64 = 0.25;
@@ -87,7 +88,7 @@ pub struct Clearance {
 /// a turn of that length (see the top of `self_collide`).
 pub fn self_clearance(sheet: &FoldedSheet, thickness_mm: f64, within_mm: f64) -> Option<Clearance> {
     let contact_mm = SelfCollideOptions::of_thickness(thickness_mm, 0.0).gap().contact_mm;
-    let pairs = Sheet::new(&sheet.mesh, Gap { least_mm: 0.0, contact_mm: within_mm.max(contact_mm) });
+    let pairs = Sheet::new(&sheet.mesh, Gap::new(0.0, within_mm.max(contact_mm)));
     let found = pairs.candidates(&sheet.positions, &[], 0.0, true)?;
     let x = &sheet.positions;
     let clearance = |p: &Pair| Clearance {
@@ -145,7 +146,7 @@ impl Goal for SelfCollide {
     fn contacts(&self, x: &[DVec3], margin: f64) -> Vec<[u32; 2]> {
         let margin = margin.min(SPARE);
         let found = self.found(x);
-        let touching = found.all().filter(|p| p.distance_mm(x) < (1.0 + margin) * p.gap.contact_mm);
+        let touching = found.all().filter(|p| p.distance_mm(x) < p.gap.within_mm(margin));
         let mut pairs: Vec<[u32; 2]> = touching.flat_map(couples).collect();
         pairs.sort_unstable();
         pairs.dedup();

@@ -26,6 +26,8 @@ pub(super) struct Gap {
     pub(super) least_mm: f64,
     /// Distance at which the push begins.
     pub(super) contact_mm: f64,
+    /// Distance of the two places when the sheet between them is bent by half a turn; infinite if there is none.
+    pub(super) bent_mm: f64,
 }
 
 /// A pair of elements without a common vertex.
@@ -70,6 +72,16 @@ impl Barrier {
 }
 
 impl Gap {
+    /// Of places with no sheet between them.
+    pub(super) fn new(least_mm: f64, contact_mm: f64) -> Self {
+        Self { least_mm, contact_mm, bent_mm: f64::INFINITY }
+    }
+
+    /// The contact distance and `spare` of it more, where that is not beyond half a turn: neighbours are always so near.
+    pub(super) fn within_mm(self, spare: f64) -> f64 {
+        ((1.0 + spare) * self.contact_mm).min(self.bent_mm.max(self.contact_mm))
+    }
+
     /// mm² between the squares of the two distances.
     fn width_mm2(self) -> f64 {
         (self.contact_mm - self.least_mm) * (self.contact_mm + self.least_mm)

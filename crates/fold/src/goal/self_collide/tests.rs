@@ -1,6 +1,8 @@
 //! The barrier by itself: distances, derivatives over all kinds of nearness, and steps that would tunnel.
 
 use super::broad::Sheet;
+use super::tree::Tree;
+use super::way::{Path, Way};
 use super::*;
 use crate::goal::testing::{prove_by_steps, prove_convex, prove_descent, prove_rigid_invariance};
 use crate::testing::{irregular, strip};
@@ -91,7 +93,7 @@ fn sampled_distance(x: &[DVec3]) -> f64 {
 }
 
 fn least_distance(x: &[DVec3]) -> f64 {
-    let gap = Gap { least_mm: 1.0, contact_mm: 100.0 };
+    let gap = Gap::new(1.0, 100.0);
     let found = Sheet::new(&two_triangles(), gap).candidates(x, &[], 0.0, true).unwrap();
     found.all().map(|p| p.distance_mm(x)).fold(f64::MAX, f64::min)
 }
@@ -237,7 +239,7 @@ fn all_pairs(mesh: &FlatMesh) -> Vec<Pair> {
 
 fn agrees_with_all_pairs(goal: &SelfCollide, pairs: &[Pair], x: &[DVec3]) -> bool {
     let energy = OPTIONS.stiffness * pairs.iter().map(|p| p.energy(x)).sum::<f64>();
-    let touching = pairs.iter().filter(|p| p.distance_mm(x) < 1.25 * p.gap.contact_mm);
+    let touching = pairs.iter().filter(|p| p.distance_mm(x) < p.gap.within_mm(0.25));
     let mut coupled: Vec<[u32; 2]> = touching.flat_map(couples).collect();
     coupled.sort_unstable();
     coupled.dedup();
@@ -331,6 +333,71 @@ fn on_every_way_the_search_finds_what_looking_at_all_pairs_finds() {
     assert!(limited > 10 && free > 10, "{limited} {free}");
 }
 
+/// Pairs of triangles whose bounds at time `t` of a way are within `reach` of each other, by looking at all.
+fn near_at(corners: &[[u32; 3]], path: Path<'_>, t: f64, reach: f64) -> Vec<[u32; 2]> {
+    let bounds = |c: &[u32; 3]| {
+        let [p, q, r] = c.map(|v| path.x[v as usize] + t * path.step[v as usize]);
+        (p.min(q).min(r), p.max(q).max(r))
+    };
+    let all: Vec<_> = corners.iter().map(bounds).collect();
+    let near = |a: usize, b: usize| {
+        (all[a].0 - all[b].1).max_element() < reach && (all[b].0 - all[a].1).max_element() < reach
+    };
+    let pairs = (0..all.len()).flat_map(|a| (a + 1..all.len()).map(move |b| (a, b)));
+    pairs.filter(|(a, b)| near(*a, *b)).map(|(a, b)| [a as u32, b as u32]).collect()
+}
+
+/// On random ways, from hardly any motion to a tangle that crosses itself many times, all of them far off on the whole.
+#[test]
+fn the_tree_finds_all_triangles_that_come_near_each_other_on_random_ways() {
+    let mesh = irregular(11, 7, 1.0, 11);
+    let (n, corners) =
+        (mesh.vertices.len(), mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect::<Vec<_>>());
+    let tree = Tree::new(corners.clone(), &mesh.vertices);
+    let mut counts = Vec::new();
+    for seed in 0..24 {
+        let shake = |size: f64, seed: usize| shaken(n, seed, size).into_iter();
+        let x: Vec<DVec3> = positions(&mesh, |p| p.extend(0.0));
+        let x: Vec<DVec3> =
+            x.iter().zip(shake([0.1, 2.0, 8.0][seed % 3], seed)).map(|(x, d)| *x + d).collect();
+        let drift = 1e3 * shaken(1, seed + 500, 1.0)[0];
+        let step: Vec<DVec3> =
+            shake([0.0, 0.3, 4.0, 30.0][seed % 4], seed + 900).map(|d| drift + d).collect();
+        let (path, reach) = (Path { x: &x, step: &step }, [1e-3, 0.4, 2.0][seed / 8]);
+        let found = tree.pairs(path, reach, |_| false, usize::MAX).unwrap();
+        for k in 0..=16 {
+            let near = near_at(&corners, path, f64::from(k) / 16.0, (1.0 - 1e-6) * reach);
+            assert!(near.iter().all(|pair| found.binary_search(pair).is_ok()), "{seed} {k}");
+        }
+        // And no more than boxes that meet on their way.
+        let ways: Vec<Way> = corners.iter().map(|c| path.around(c)).collect();
+        let meet = |[a, b]: &[u32; 2]| ways[*a as usize].meets(&ways[*b as usize], reach);
+        assert!(found.iter().all(meet) && found.is_sorted() && found.windows(2).all(|p| p[0] != p[1]));
+        assert!(tree.pairs(path, reach, |_| false, found.len() - 1).is_none());
+        assert_eq!(tree.pairs(path, reach, |_| false, found.len()), Some(found.clone()));
+        counts.push(found.len());
+    }
+    let all = corners.len() * (corners.len() - 1) / 2;
+    assert!(
+        counts.iter().any(|c| *c < all / 10) && counts.iter().any(|c| *c > all / 2),
+        "{counts:?} of {all}"
+    );
+}
+
+/// Sheets of so few triangles that the tree has no branches.
+#[test]
+fn small_trees_find_their_pairs() {
+    for triangles in [0_u32, 1, 2, 8, 9, 17] {
+        let corners: Vec<[u32; 3]> = (0..triangles).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let flat: Vec<DVec2> =
+            (0..3 * triangles).map(|v| DVec2::new(f64::from(v), f64::from(v % 3))).collect();
+        let tree = Tree::new(corners.clone(), &flat);
+        let (x, step) = (shaken(flat.len(), 3, 1.0), vec![DVec3::ZERO; flat.len()]);
+        let path = Path { x: &x, step: &step };
+        assert_eq!(tree.pairs(path, 0.3, |_| false, usize::MAX), Some(near_at(&corners, path, 0.0, 0.3)));
+    }
+}
+
 /// What makes it fast: of a gently bent sheet that swings about, no pair at all is looked at closely.
 #[test]
 fn where_the_sheet_bends_little_nothing_is_looked_at() {
@@ -340,6 +407,9 @@ fn where_the_sheet_bends_little_nothing_is_looked_at() {
     let turn = glam::DQuat::from_rotation_y(0.4);
     let step: Vec<DVec3> = roll(60.0).iter().zip(roll(50.0)).map(|(x, to)| turn * to - *x).collect();
     assert_eq!(sheet.candidates(&roll(60.0), &step, 0.25, true).unwrap().all().count(), 0);
+    // Nor where it bends by a quarter of a turn within a few of the contact distances.
+    let step: Vec<DVec3> = roll(8.0).iter().zip(roll(7.5)).map(|(x, to)| turn * to - *x).collect();
+    assert_eq!(sheet.candidates(&roll(8.0), &step, 0.25, true).unwrap().all().count(), 0);
     // Nearly a full turn does touch.
     assert!(sheet.candidates(&roll(4.95), &[], 0.25, true).unwrap().all().count() > 0);
 }

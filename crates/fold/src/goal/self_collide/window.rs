@@ -7,79 +7,141 @@
 //! Volino & Magnenat-Thalmann (*Efficient self-collision detection on smoothly discretized surface animations using
 //! geometrical shape regularity*, Eurographics 1994) with distances in place of crossings. The least eigenvalue is concave
 //! in J, so on a straight way it is least at an end.
+//!
+//! With c = 2/π a window may bend by a good quarter of a turn: places in it are further apart than the ends of half a turn.
 
+use super::tree::Rectangle;
+use super::way::Path;
 use glam::{DMat2, DVec2, DVec3};
-use softfold_geometry::FlatMesh;
+use softfold_geometry::{FlatMesh, VertexId};
+use std::cell::Cell;
 
-/// Side of a window in sides of a square as large as two triangles; if the distances in question are larger, see
-/// [`Windows::new`].
-const SQUARES: f64 = 12.0;
+/// Sides of windows in sides of a square as large as two triangles. Small ones hold neighbours, and fit between a curved rim and
+/// a sharp bend; large ones hold more at once, see also [`Windows::new`].
+const SQUARES: [f64; 2] = [12.0, 5.0];
 /// Boundary edges have no corner outside them by more than this, share of their length.
 const STRAIGHT: f64 = 1e-9;
 
-/// Square windows of two strides a side, one at each stride along both axes: any rectangle up to a stride wide is in one.
+/// Windows of all sizes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Windows {
+    grids: Vec<Grid>,
+    /// Of each triangle the inverse of its edges' matrix on the flat sheet.
+    inverse: Vec<DMat2>,
+}
+
+/// Square windows of two strides a side, one at each stride along both axes: any rectangle up to a stride wide is in one.
+#[derive(Clone, Debug, PartialEq)]
+struct Grid {
     origin: DVec2,
     stride_mm: f64,
     count: [usize; 2],
     /// The triangles of each window; none where it may not be convex, wholly on the sheet and of one part.
     triangles: Vec<Vec<u32>>,
-    /// Of each triangle the inverse of its edges' matrix on the flat sheet.
-    inverse: Vec<DMat2>,
 }
 
 /// Derivative of the place in space by u and v.
 type Slope = [DVec3; 2];
 
+/// What windows promise about one way, found where it is asked for.
+pub(super) struct Calm<'a> {
+    grids: &'a [Grid],
+    /// Of each end of the way, of each triangle.
+    ends: Vec<Vec<Slope>>,
+    share: f64,
+    /// Of each window of each grid.
+    known: Vec<Vec<Cell<Option<bool>>>>,
+}
+
+impl Calm<'_> {
+    /// Whether all places in a rectangle of the flat sheet surely stay apart by the share that was asked about.
+    pub(super) fn holds(&self, flat: Rectangle) -> bool {
+        self.grids.iter().zip(&self.known).any(|(grid, known)| {
+            let promises = |w: usize| {
+                let apart =
+                    known[w].get().unwrap_or_else(|| spread(&grid.triangles[w], &self.ends, self.share));
+                known[w].set(Some(apart));
+                apart
+            };
+            grid.holding(flat).any(promises)
+        })
+    }
+}
+
+fn bounds(it: impl Iterator<Item = DVec2>) -> Rectangle {
+    it.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[l, u], p| [l.min(p), u.max(p)])
+}
+
 impl Windows {
-    /// For pairs up to `near_mm` apart on the flat sheet; `part` tells of which part of the sheet a vertex is.
+    /// `part` tells of which part of the sheet a vertex is; the largest windows hold any pair that is up to `near_mm` apart on the
+    /// flat sheet.
     pub(super) fn new(mesh: &FlatMesh, part: &[u32], near_mm: f64) -> Self {
-        let bounds = |it: &mut dyn Iterator<Item = DVec2>| {
-            it.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[l, u], p| [l.min(p), u.max(p)])
-        };
-        let [lower, upper] = bounds(&mut mesh.vertices.iter().copied());
+        let [lower, upper] = bounds(mesh.vertices.iter().copied());
         let size = (upper - lower).max(DVec2::ZERO);
         let n = mesh.triangles.len().max(1) as f64;
         let square = (2.0 * size.x * size.y / n).sqrt();
-        let stride_mm = (0.5 * SQUARES * square).max(2.0 * near_mm).max(size.max_element() / n);
-        let count = [size.x, size.y].map(|s| (s / stride_mm) as usize + 1);
-        let flat = |v: softfold_geometry::VertexId| mesh.vertices[v.index()];
-        let mut windows = Self {
-            origin: lower,
-            stride_mm,
-            count,
-            triangles: vec![Vec::new(); count[0] * count[1]],
-            inverse: Vec::new(),
+        let [large, small] = SQUARES.map(|squares| (0.5 * squares * square).max(size.max_element() / n));
+        let strides = [large.max(2.0 * near_mm), small];
+        let inverse = |t: &[VertexId; 3]| {
+            let [a, b, c] = t.map(|v| mesh.vertices[v.index()]);
+            DMat2::from_cols(b - a, c - a).inverse()
         };
-        for (t, corners) in mesh.triangles.iter().enumerate() {
-            let [a, b, c] = corners.map(flat);
-            windows.inverse.push(DMat2::from_cols(b - a, c - a).inverse());
-            let touched = windows.touched(bounds(&mut [a, b, c].into_iter()));
-            touched.for_each(|w| windows.triangles[w].push(t as u32));
+        Self {
+            grids: strides.map(|stride_mm| Grid::new(mesh, part, lower, size, stride_mm)).to_vec(),
+            inverse: mesh.triangles.iter().map(inverse).collect(),
         }
-        let mut blocked: Vec<bool> = windows.triangles.iter().map(|own| !one_part(mesh, part, own)).collect();
+    }
+
+    /// In which rectangles all places surely are at least `share` of their distance on the flat sheet apart on a whole way.
+    pub(super) fn calm(&self, corners: &[[u32; 3]], path: Path<'_>, share: f64) -> Calm<'_> {
+        let slopes = |at: &dyn Fn(u32) -> DVec3| -> Vec<Slope> {
+            let slope = |(c, inverse): (&[u32; 3], &DMat2)| {
+                let [a, b, c] = c.map(at);
+                let (p, q) = (b - a, c - a);
+                let along = |w: DVec2| w.x * p + w.y * q;
+                [along(inverse.x_axis), along(inverse.y_axis)]
+            };
+            corners.iter().zip(&self.inverse).map(slope).collect()
+        };
+        let Path { x, step } = path;
+        let mut ends = vec![slopes(&|v| x[v as usize])];
+        if !step.is_empty() {
+            ends.push(slopes(&|v| x[v as usize] + step[v as usize]));
+        }
+        let known = self.grids.iter().map(|g| vec![Cell::new(None); g.triangles.len()]).collect();
+        Calm { grids: &self.grids, ends, share, known }
+    }
+}
+
+impl Grid {
+    fn new(mesh: &FlatMesh, part: &[u32], origin: DVec2, size: DVec2, stride_mm: f64) -> Self {
+        let count = [size.x, size.y].map(|s| (s / stride_mm) as usize + 1);
+        let mut grid = Self { origin, stride_mm, count, triangles: vec![Vec::new(); count[0] * count[1]] };
+        let flat = |v: VertexId| mesh.vertices[v.index()];
+        for (t, corners) in mesh.triangles.iter().enumerate() {
+            let touched = grid.touched(bounds(corners.iter().map(|v| flat(*v))));
+            touched.for_each(|w| grid.triangles[w].push(t as u32));
+        }
+        let mut blocked: Vec<bool> = grid.triangles.iter().map(|own| !one_part(mesh, part, own)).collect();
         for e in &mesh.edges {
             let [Some(t), None] = e.triangles else { continue };
             let [a, b] = e.vertices.map(flat);
             let normal = (b - a).perp();
             let inwards: f64 = mesh.triangles[t.index()].iter().map(|v| normal.dot(flat(*v) - a)).sum();
             let normal = inwards.signum() * normal;
-            let outside = |v: &softfold_geometry::VertexId| {
-                normal.dot(flat(*v) - a) < -STRAIGHT * normal.length_squared()
-            };
-            for w in windows.touched(bounds(&mut [a, b].into_iter())) {
+            let outside = |v: &VertexId| normal.dot(flat(*v) - a) < -STRAIGHT * normal.length_squared();
+            for w in grid.touched(bounds([a, b].into_iter())) {
                 let corners = |t: &u32| mesh.triangles[*t as usize].iter().any(outside);
-                blocked[w] = blocked[w] || windows.triangles[w].iter().any(corners);
+                blocked[w] = blocked[w] || grid.triangles[w].iter().any(corners);
             }
         }
-        let open = windows.triangles.iter_mut().zip(blocked);
+        let open = grid.triangles.iter_mut().zip(blocked);
         open.filter(|(_, blocked)| *blocked).for_each(|(own, _)| own.clear());
-        windows
+        grid
     }
 
     /// Windows that a rectangle may touch.
-    fn touched(&self, [lower, upper]: [DVec2; 2]) -> impl Iterator<Item = usize> + use<> {
+    fn touched(&self, [lower, upper]: Rectangle) -> impl Iterator<Item = usize> + use<> {
         // A little more: what only touches counts.
         let rim = DVec2::splat(1e-9);
         let [from, to] =
@@ -91,32 +153,16 @@ impl Windows {
         range(from.x, to.x, nu).flat_map(move |i| rows.clone().map(move |j| i * nv + j))
     }
 
-    /// The window that holds a rectangle, if one does.
-    pub(super) fn holding(&self, [lower, upper]: [DVec2; 2]) -> Option<usize> {
-        let from = ((lower - self.origin) / self.stride_mm).floor().max(DVec2::ZERO);
-        let [i, j] = [from.x as usize, from.y as usize];
-        let end = self.origin + self.stride_mm * (from + 2.0);
-        (i < self.count[0] && j < self.count[1] && upper.x <= end.x && upper.y <= end.y)
-            .then_some(i * self.count[1] + j)
-    }
-
-    /// Of each window whether on the way from `x` by `step` (empty: at `x`) all of its places surely are at least `share` of
-    /// their distance on the flat sheet apart.
-    pub(super) fn apart(&self, corners: &[[u32; 3]], x: &[DVec3], step: &[DVec3], share: f64) -> Vec<bool> {
-        let slopes = |at: &dyn Fn(u32) -> DVec3| -> Vec<Slope> {
-            let slope = |(c, inverse): (&[u32; 3], &DMat2)| {
-                let [a, b, c] = c.map(at);
-                let (p, q) = (b - a, c - a);
-                let along = |w: DVec2| w.x * p + w.y * q;
-                [along(inverse.x_axis), along(inverse.y_axis)]
-            };
-            corners.iter().zip(&self.inverse).map(slope).collect()
+    /// The windows that hold a rectangle.
+    fn holding(&self, [lower, upper]: Rectangle) -> impl Iterator<Item = usize> + use<> {
+        let [from, to] = [(lower - self.origin) / self.stride_mm, (upper - self.origin) / self.stride_mm];
+        let [nu, nv] = self.count;
+        let range = |from: f64, to: f64, n: usize| {
+            let first = (to - 2.0).ceil().max(0.0) as usize;
+            first..(from.max(0.0) as usize + 1).min(n)
         };
-        let mut ends = vec![slopes(&|v| x[v as usize])];
-        if !step.is_empty() {
-            ends.push(slopes(&|v| x[v as usize] + step[v as usize]));
-        }
-        self.triangles.iter().map(|own| spread(own, &ends, share)).collect()
+        let rows = range(from.y, to.y, nv);
+        range(from.x, to.x, nu).flat_map(move |i| rows.clone().map(move |j| i * nv + j))
     }
 }
 
