@@ -103,6 +103,8 @@ pub(crate) struct Target {
     pub(crate) relative_gradient: f64,
     /// It is when a whole step moves no vertex by so much, mm.
     pub(crate) motion_mm: f64,
+    /// Whether such a step may be a Gauss-Newton one, which says less of how far rest is.
+    pub(crate) by_any_step: bool,
 }
 
 /// Newton's method on one mesh.
@@ -164,7 +166,7 @@ impl<'a> Descent<'a> {
             };
             gradient = self.told(&step, scales, watch);
             let last = self.again(step, &mut gradient, (scales, target), watch);
-            if exact && last.length == 1.0 && last.motion_mm <= target.motion_mm {
+            if (exact || target.by_any_step) && last.length == 1.0 && last.motion_mm <= target.motion_mm {
                 return Ok(Stop::Motion(target.motion_mm));
             }
             if last.energy > LITTLE_LEFT * energy {

@@ -81,7 +81,8 @@ impl Default for Solver {
     }
 }
 
-/// One iteration, told to whoever watches.
+/// One iteration, told to whoever watches; and what a mesh begins with that takes over from a coarser one, by the number of
+/// the iteration before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Iteration<'a> {
     /// Number of the iteration, from 1.

@@ -79,6 +79,28 @@ fn through_a_pyramid_the_energy_is_that_of_one_level() {
 }
 
 #[test]
+fn what_a_mesh_begins_with_is_told_without_its_wrinkles() {
+    let levels = [level(2, 0.9)];
+    let Level { mesh, goals } = level(1, 0.9);
+    let pyramid = Pyramid { levels: &levels, carry: &linear };
+    let (mut coarse, mut last, mut begun) = (Vec::new(), 0, None);
+    let mut watch = |i: crate::Iteration<'_>| {
+        if i.level == 1 {
+            (coarse, last) = (i.positions.to_vec(), i.number);
+        } else {
+            begun = begun.or(Some((i.number, i.energy)));
+        }
+    };
+    let options = NewtonOptions::default();
+    fold_multilevel(&pyramid, &mesh, &goals, &upright(&mesh), &options, &mut watch).unwrap();
+    let carried = linear(&levels[0].mesh, &coarse, &mesh);
+    let rough = crate::Objective::new(mesh.vertices.len(), &goals).energy(&carried, crate::Scales::FULL);
+    let (number, energy) = begun.unwrap();
+    assert_eq!(number, last);
+    assert!(energy < 0.5 * rough, "{energy} of {rough}");
+}
+
+#[test]
 fn an_empty_pyramid_is_one_level() {
     let one = one_level(0.9);
     assert_eq!(multilevel(&[], 0.9, &NewtonOptions::default()).unwrap(), one);

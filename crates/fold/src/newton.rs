@@ -52,7 +52,7 @@ impl NewtonOptions {
 
     /// What ends the whole.
     pub(crate) fn target(&self) -> Target {
-        Target { relative_gradient: self.relative_gradient, motion_mm: self.motion_mm }
+        Target { relative_gradient: self.relative_gradient, motion_mm: self.motion_mm, by_any_step: false }
     }
 }
 
@@ -82,7 +82,8 @@ pub(crate) fn ramped(
     watch: &mut dyn FnMut(Iteration<'_>),
 ) -> Result<Stop, FoldError> {
     let options = descent.options;
-    let softened = Target { relative_gradient: options.softened_gradient, motion_mm: 0.0 };
+    let softened =
+        Target { relative_gradient: options.softened_gradient, motion_mm: 0.0, by_any_step: false };
     let last = options.ramp.len().saturating_sub(1);
     for &scales in &options.ramp[..last] {
         let stop = descent.stage(scales, softened, Curvature::Exact, watch)?;

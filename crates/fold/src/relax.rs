@@ -60,7 +60,7 @@ pub fn minimise(
     options: &RelaxOptions,
     watch: &mut dyn FnMut(Iteration<'_>),
 ) -> (Vec<DVec3>, SolveRecord) {
-    let mut moving = Moving { x: start.to_vec(), velocity: vec![DVec3::ZERO; start.len()], weight: 1.0 };
+    let mut moving = Moving::new(start);
     let mut number = 0;
     let floor = objective.force_floor(start);
     let mut relative_gradient = objective.gradient(&moving.x, Scales::FULL).relative(floor);
@@ -86,7 +86,23 @@ pub fn minimise(
     (moving.x, record)
 }
 
+/// A few moves that even out what is rough: eq. 4 evens out the finest wrinkles first, and long before it bends the sheet.
+pub(crate) fn smoothed(
+    objective: &Objective<'_>,
+    rough: &[DVec3],
+    moves: u32,
+    momentum: Momentum,
+) -> Vec<DVec3> {
+    let mut moving = Moving::new(rough);
+    (0..moves).for_each(|_| moving.step(objective, momentum));
+    moving.x
+}
+
 impl Moving {
+    fn new(start: &[DVec3]) -> Self {
+        Self { x: start.to_vec(), velocity: vec![DVec3::ZERO; start.len()], weight: 1.0 }
+    }
+
     fn step(&mut self, objective: &Objective<'_>, momentum: Momentum) {
         let next = 0.5 * (1.0 + (1.0 + 4.0 * self.weight * self.weight).sqrt());
         let share = match momentum {

@@ -126,7 +126,7 @@ impl Run<'_> {
         let sheet = match solver {
             Solver::Newton(options) if !warm => {
                 let levels = pyramid::levels(self.loaded, self.pattern, mesh.vertices.len(), share);
-                let pyramid = Pyramid { levels: &levels, carry: &softfold_mesh::transfer_smooth };
+                let pyramid = Pyramid { levels: &levels, carry: &softfold_mesh::transfer };
                 softfold_fold::fold_multilevel(&pyramid, mesh, goals, &self.x, &options, &mut watch)
             }
             solver => softfold_fold::fold(mesh, goals, &self.x, &solver, &mut watch),
