@@ -218,7 +218,7 @@ impl<'a> Descent<'a> {
         gradient
     }
 
-    /// One step with a new factor, and whether it is the true Hessian's unshifted one; none if no decrease was found.
+    /// One step with a new factor, and whether it is the true Hessian's, hardly shifted; none if no decrease was found.
     fn step(
         &mut self,
         gradient: &GradientSum,
@@ -228,10 +228,10 @@ impl<'a> Descent<'a> {
         let tries = if gradient.relative(self.floor) > FAR { 1 } else { EXACT_TRIES };
         let gradient = &gradient.sum;
         if curvature == Curvature::Exact
-            && let Some(direction) = self.exact_direction(gradient, scales, tries)
+            && let Some((direction, shift)) = self.exact_direction(gradient, scales, tries)
             && let Some(step) = self.search(&direction, gradient, scales)
         {
-            return Ok(Some((step, true)));
+            return Ok(Some((step, shift <= FIRST_SHIFT)));
         }
         let direction = self.convex_direction(gradient, scales)?;
         Ok(self.search(&direction, gradient, scales).map(|step| (step, false)))
@@ -263,9 +263,14 @@ impl<'a> Descent<'a> {
         last
     }
 
-    /// The true Hessian's step, with the least shift of a few that makes it definite: a sheet that can
+    /// The true Hessian's step, with the least shift of a few that makes it definite, and that shift: a sheet that can
     /// still swing has slightly negative directions, and only the true Hessian sees them.
-    fn exact_direction(&mut self, gradient: &[DVec3], scales: Scales, tries: u32) -> Option<Vec<DVec3>> {
+    fn exact_direction(
+        &mut self,
+        gradient: &[DVec3],
+        scales: Scales,
+        tries: u32,
+    ) -> Option<(Vec<DVec3>, f64)> {
         let System { hessian, factor, .. } = &mut self.system;
         self.objective.fill_hessian(&self.x, Curvature::Exact, scales, hessian);
         let unit = hessian.mean_diagonal();
@@ -275,7 +280,7 @@ impl<'a> Descent<'a> {
             applied = self.shift;
             if factor.factorise(hessian) {
                 self.shift = if self.shift > FIRST_SHIFT { self.shift / SHIFT_DECAY } else { 0.0 };
-                return Some(self.system.direction(gradient));
+                return Some((self.system.direction(gradient), applied));
             }
             self.shift = (self.shift * SHIFT_GROWTH).max(FIRST_SHIFT);
         }

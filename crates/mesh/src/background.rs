@@ -98,6 +98,23 @@ impl<'a> Background<'a> {
         self.older.push(std::mem::replace(&mut self.newest[part], number));
     }
 
+    /// Its lowest and highest corners.
+    pub(crate) fn bounds(&self) -> (DVec2, DVec2) {
+        let [x, y] = self.counts.map(|count| self.cell_mm * count as f64);
+        (self.low, self.low + DVec2::new(x, y))
+    }
+
+    /// The longest edges, mm.
+    pub(crate) fn target_mm(&self) -> f64 {
+        self.sizes.target_mm()
+    }
+
+    /// Whether the target holds all around a point of the grid.
+    pub(crate) fn is_even(&mut self, p: DVec2) -> bool {
+        let at = self.cell_at(p);
+        self.made(at).first_node.is_none()
+    }
+
     /// Whether a point is on the sheet.
     pub(crate) fn is_sheet(&mut self, p: DVec2) -> bool {
         let offset = (p - self.low) * self.cells_per_mm;
@@ -196,7 +213,7 @@ impl<'a> Background<'a> {
             self.cells[index].ground = Ground::Sheet;
         }
         let target_mm = self.sizes.target_mm();
-        let least = match self.is_even([x / BLOCK, y / BLOCK]) {
+        let least = match self.is_even_block([x / BLOCK, y / BLOCK]) {
             true => target_mm,
             false => self.sizes.least_within(center, self.cell_mm * FRAC_1_SQRT_2),
         };
@@ -212,7 +229,7 @@ impl<'a> Background<'a> {
     }
 
     /// Whether the target holds all over a block.
-    fn is_even(&mut self, [x, y]: [usize; 2]) -> bool {
+    fn is_even_block(&mut self, [x, y]: [usize; 2]) -> bool {
         let index = y * self.counts[0].div_ceil(BLOCK) + x;
         let block_mm = BLOCK as f64 * self.cell_mm;
         let center = self.low + block_mm * DVec2::new(x as f64 + 0.5, y as f64 + 0.5);

@@ -3,7 +3,7 @@
 use crate::boundary::Boundaries;
 use crate::cdt::{Constraint, PlanarGraph};
 use crate::gaps::Piece;
-use crate::refine::Planar;
+use crate::planar::Planar;
 use crate::rows::{Sample, rows};
 use crate::shared::SharedPoints;
 use crate::size::SizeField;

@@ -1,6 +1,8 @@
-//! Points inside the regions: blue noise after the sizing field, grown from the points on curves.
+//! Points inside the regions: a lattice where edges are as long as the target throughout, and blue noise after the sizing
+//! field between it and the points on curves.
 
 use crate::background::Background;
+use crate::lattice;
 use crate::order;
 use crate::rng::SplitMix64;
 use crate::size::SizeField;
@@ -19,25 +21,32 @@ const ROUNDING: f64 = 1.0 - 1e-9;
 /// sampling in arbitrary dimensions* (2007), with a spacing that varies and the given points as seeds. As M. Roberts
 /// proposes (*An improved version of Bridson's algorithm*, 2019), candidates lie just beyond the spacing, in even
 /// directions from a random one on: points lie closer and more evenly than those spread over a ring, and no point is
-/// tried twice. Stops beyond `most` points. New points come along a Hilbert curve.
+/// tried twice. Stops beyond `most` points. New points come along a Hilbert curve; the answer says of every point
+/// whether it may be out of place: those inside the lattice are not.
 pub(crate) fn scatter(
     points: &mut Vec<DVec2>,
     polygons: &[Vec<DVec2>],
     sizes: &SizeField,
     seed: u64,
     most: usize,
-) {
+) -> Vec<bool> {
     if polygons.iter().all(Vec::is_empty) {
-        return;
+        return vec![true; points.len()];
     }
     let given = points.len();
     let mut grid = Background::new(polygons, sizes);
     points.iter().for_each(|p| grid.insert(*p));
     let mut rng = SplitMix64(seed);
+    let mut whole = vec![false; given];
+    whole.extend(lattice::fill(points, &mut grid, &mut rng));
     let turn = DVec2::from_angle(TAU / f64::from(TRIES));
     let (mut near, mut next) = (Vec::new(), 0);
     while next < points.len() && points.len() <= most {
         let around = points[next];
+        next += 1;
+        if whole.get(next - 1) == Some(&true) {
+            continue;
+        }
         let spacing = SPACING * grid.size_mm(around);
         // Where edges get longer on the way, the spacing there counts.
         let farthest = (spacing * (1.0 + SPACING * sizes.fastest())).min(SPACING * sizes.target_mm());
@@ -57,10 +66,14 @@ pub(crate) fn scatter(
                 near.push(p);
             }
         }
-        next += 1;
     }
     let grown = points.split_off(given);
-    points.extend(order::along_hilbert(&grown).into_iter().map(|i| grown[i as usize]));
+    let mut restless = vec![true; given];
+    for i in order::along_hilbert(&grown).into_iter().map(|i| i as usize) {
+        points.push(grown[i]);
+        restless.push(whole.get(given + i) != Some(&true));
+    }
+    restless
 }
 
 #[cfg(test)]

@@ -10,20 +10,23 @@ mod boundary;
 mod cdt;
 mod classes;
 mod crosscheck;
+mod draft;
 mod edges;
 mod gaps;
 mod graph;
 mod grid;
+mod grow;
 mod inside;
 mod interior;
+mod lattice;
 mod locate;
-mod mend;
 mod net;
 mod noding;
 mod order;
 mod overlap;
 mod paper;
 mod places;
+mod planar;
 mod quality;
 mod refine;
 mod relax;
@@ -36,9 +39,9 @@ mod sharp;
 mod size;
 mod split;
 mod stretch;
-mod topology;
 mod tracks;
 mod transfer;
+mod triangle;
 
 pub use backend::{Arranged, Triangulate};
 pub use cdt::{Backend, Constraint, PlanarGraph, Triangulated, triangulate};
@@ -47,13 +50,13 @@ pub use locate::Locator;
 pub use noding::{Noded, noded};
 pub use quality::{Inspection, Quality, SharpPlace, Sharpness, quality};
 pub use tracks::Curve;
-pub use transfer::{transfer, transfer_smooth};
+pub use transfer::transfer;
 
 use boundary::Boundaries;
+use draft::Draft;
 use glam::DVec2;
 use graph::GraphBuilder;
-use net::Net;
-use refine::Planar;
+use planar::Planar;
 use softfold_geometry::{CheckError, FlatMesh, Site, SoftPattern};
 use stretch::stretches;
 
@@ -204,44 +207,26 @@ pub fn mesh(soft: &SoftPattern, options: &MeshOptions) -> Result<Meshed, MeshErr
     }
     let held = graph.points.len();
     let polygons = graph::boundary_polygons(&graph.points, &graph.constraints, soft.loops.len());
-    interior::scatter(&mut graph.points, &polygons, &sizes, options.seed, MOST_VERTICES as usize);
+    let restless =
+        interior::scatter(&mut graph.points, &polygons, &sizes, options.seed, MOST_VERTICES as usize);
     check_vertices(graph.points.len() as f64, options)?;
     planar.sites.resize(graph.points.len(), Site::Interior);
     let weight = if sizes.is_steep() { relax::Weight::Same } else { relax::Weight::Area };
-    let triangulated = triangulate(graph, options.backend)?;
-    let mut net = relaxed(graph, held, &triangulated, options.relaxation_rounds, weight);
-    mend::mend(&mut graph.points, held, &mut net);
-    refine::refine(&mut planar, options, shortest_row_mm(soft, options))?;
-    finished(soft, planar, options)
+    let mut draft = Draft::new(planar, options)?;
+    relax::relax(&mut draft, held, options.relaxation_rounds, weight, restless);
+    refine::refine(&mut draft, shortest_row_mm(soft, options));
+    finished(soft, draft, options)
 }
 
-/// Triangulated for good, inspected, opened along slits and classified.
-fn finished(soft: &SoftPattern, planar: Planar<'_>, options: &MeshOptions) -> Result<Meshed, MeshError> {
-    let topology = refine::topology(&planar, options.backend)?;
-    let inspection = quality::inspect(&planar, &topology, options.target_edge_mm);
-    let Planar { graph, sites, .. } = planar;
-    let opened = split::open(&graph, sites, topology.triangles);
+/// Inspected, opened along slits and classified.
+fn finished(soft: &SoftPattern, draft: Draft<'_>, options: &MeshOptions) -> Result<Meshed, MeshError> {
+    let inspection = quality::inspect(&draft, options.target_edge_mm);
+    let triangles = draft.triangles();
+    let Planar { graph, sites, .. } = draft.planar;
+    let opened = split::open(&graph, sites, triangles);
     let mesh = classes::classified(&graph, opened, soft.loops.len());
     mesh.check()?;
     Ok(Meshed { mesh, graph, inspection })
-}
-
-/// Relaxes the points from number `held` on; the constrained Delaunay triangles of where they end.
-fn relaxed(
-    graph: &mut PlanarGraph,
-    held: usize,
-    triangulated: &Triangulated,
-    rounds: u32,
-    weight: relax::Weight,
-) -> Net {
-    let PlanarGraph { points, constraints } = graph;
-    let (mut net, rings) = Net::new(points.len(), &triangulated.triangles);
-    constraints.iter().for_each(|(edge, _)| net.fix(&rings, *edge));
-    for _ in 0..rounds {
-        relax::round(points, held, &net, weight);
-        net.flip_to_delaunay(points, held);
-    }
-    net
 }
 
 /// Length of the shortest rows at their widest, mm; the target's without bands.

@@ -96,11 +96,6 @@ impl<'a> Locator<'a> {
         let [u, v] = [(c - b).perp_dot(p - b), (a - c).perp_dot(p - c)].map(|w| w / area);
         [u, v, 1.0 - u - v]
     }
-
-    /// The triangle beyond each side.
-    pub(crate) fn neighbours(&self, t: TriangleId) -> [Option<TriangleId>; 3] {
-        self.neighbours[t.index()]
-    }
 }
 
 fn least(weights: [f64; 3]) -> f64 {

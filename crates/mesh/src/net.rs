@@ -1,25 +1,28 @@
-//! Triangles that know their neighbours, in flat arrays, and the flips that make them Delaunay again after vertices
-//! have moved.
+//! Triangles that know their neighbours and the constraints between them, in flat arrays, and the flips that make them
+//! Delaunay again after vertices have moved.
 
 use crate::rings::Rings;
 use glam::DVec2;
 use robust::Coord;
 use softfold_geometry::VertexId;
 
-/// No triangle: beyond a boundary side.
+/// No triangle: beyond a boundary side. No constraint: on a side that may be flipped.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// A triangulation by its triangles. Side `k` of a triangle goes from its corner `k` to the next one.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Net {
     /// Corners, counter-clockwise.
-    corners: Vec<[u32; 3]>,
+    pub(crate) corners: Vec<[u32; 3]>,
     /// The triangle beyond each side, or [`NONE`].
-    across: Vec<[u32; 3]>,
-    /// Which sides must stay: bit `k` for side `k`.
-    fixed: Vec<u8>,
+    pub(crate) across: Vec<[u32; 3]>,
+    /// Numbers of the constraints on the sides, or [`NONE`]: those sides stay.
+    pub(crate) walls: Vec<[u32; 3]>,
     /// A triangle at each vertex, or [`NONE`].
-    at: Vec<u32>,
+    pub(crate) at: Vec<u32>,
+    /// What flips work with.
+    open: Vec<(u32, u8)>,
+    ring: Vec<u32>,
 }
 
 impl Net {
@@ -41,7 +44,8 @@ impl Net {
             }
         }
         let at = (0..vertices).map(|v| rings.of(v).first().copied().unwrap_or(NONE)).collect();
-        (Self { fixed: vec![0; corners.len()], corners, across, at }, rings)
+        let walls = vec![[NONE; 3]; corners.len()];
+        (Self { corners, across, walls, at, open: vec![], ring: vec![] }, rings)
     }
 
     /// The triangle to the left of an edge, and which of its sides the edge is.
@@ -57,28 +61,32 @@ impl Net {
             if std::mem::replace(&mut reached[t], true) {
                 continue;
             }
-            let beyond = |&k: &usize| self.fixed[t] >> k & 1 == 0 && self.across[t][k] != NONE;
+            let beyond = |&k: &usize| self.walls[t][k] == NONE && self.across[t][k] != NONE;
             open.extend((0..3).filter(beyond).map(|k| self.across[t][k] as usize));
         }
         reached
     }
 
     /// Corners of all triangles.
-    #[cfg(test)]
     pub(crate) fn triangles(&self) -> Vec<[VertexId; 3]> {
         self.corners.iter().map(|c| c.map(VertexId)).collect()
     }
 
-    /// Corners of all triangles by their numbers.
-    pub(crate) fn corners(&self) -> &[[u32; 3]] {
-        &self.corners
+    /// Places of the corners of a triangle.
+    pub(crate) fn places(&self, points: &[DVec2], t: usize) -> [DVec2; 3] {
+        self.corners[t].map(|v| points[v as usize])
     }
 
     /// Keeps an edge from being flipped.
-    pub(crate) fn fix(&mut self, rings: &Rings, [a, b]: [VertexId; 2]) {
+    pub(crate) fn fix(&mut self, rings: &Rings, edge: [VertexId; 2]) {
+        self.wall(rings, edge, 0);
+    }
+
+    /// The same for the constraint of a number.
+    pub(crate) fn wall(&mut self, rings: &Rings, [a, b]: [VertexId; 2], number: u32) {
         for edge in [[a, b], [b, a]] {
             if let Some((t, k)) = self.left_of(rings, edge) {
-                self.fixed[t] |= 1 << k;
+                self.walls[t][k] = number;
             }
         }
     }
@@ -100,62 +108,96 @@ impl Net {
         false
     }
 
-    /// Flips edges until the triangulation is constrained Delaunay again after vertices from number `held` on have moved:
-    /// C. L. Lawson, *Software for C¹ surface interpolation* (1977). All triangles must be counter-clockwise; predicates
-    /// are exact, so that it ends and they stay so.
-    pub(crate) fn flip_to_delaunay(&mut self, points: &[DVec2], held: usize) {
-        let moves = |corners: &[u32; 3]| corners.iter().any(|v| *v as usize >= held);
-        let mut open = Vec::new();
-        for t in 0..self.corners.len() {
-            for k in 0..3 {
-                // Each edge from one of its sides.
-                let beyond = self.across[t][k];
-                if beyond < t as u32 && (moves(&self.corners[t]) || moves(&self.corners[beyond as usize])) {
-                    open.push((t as u32, k as u8));
-                    self.drain(points, &mut open);
+    /// Writes the triangles around a vertex, also of one on the boundary: those of one fan.
+    pub(crate) fn around(&self, vertex: usize, triangles: &mut Vec<u32>) {
+        triangles.clear();
+        let first = self.at[vertex];
+        for turn in [2, 0] {
+            let mut t = first;
+            while t != NONE {
+                if turn == 2 || t != first {
+                    triangles.push(t);
+                }
+                let k = side_from(&self.corners[t as usize], vertex as u32);
+                t = self.across[t as usize][(k + turn) % 3];
+                if t == first {
+                    return;
                 }
             }
         }
     }
 
-    fn drain(&mut self, points: &[DVec2], open: &mut Vec<(u32, u8)>) {
+    /// Flips edges until the triangulation is constrained Delaunay again after these vertices have moved: C. L. Lawson,
+    /// *Software for C¹ surface interpolation* (1977). All triangles must be counter-clockwise; predicates are exact, so
+    /// that it ends and they stay so. Writes the triangles that it turned to `changed`.
+    pub(crate) fn flip_around(&mut self, points: &[DVec2], moved: &[u32], changed: &mut Vec<u32>) {
+        let (mut open, mut around) = (std::mem::take(&mut self.open), std::mem::take(&mut self.ring));
+        for &v in moved {
+            self.around(v as usize, &mut around);
+            for &t in &around {
+                let k = side_from(&self.corners[t as usize], v);
+                // The side that leaves the vertex and the one across from it; on the boundary the last one is fixed.
+                open.extend([(t, k as u8), (t, (k as u8 + 1) % 3)]);
+            }
+            self.drain(points, &mut open, changed);
+        }
+        (self.open, self.ring) = (open, around);
+    }
+
+    /// The same all over; whether any side was turned.
+    pub(crate) fn flip_all(&mut self, points: &[DVec2]) -> bool {
+        let (mut open, mut changed) = (std::mem::take(&mut self.open), Vec::new());
+        for t in 0..self.corners.len() {
+            for k in 0..3 {
+                // Each edge from one of its sides.
+                if self.across[t][k] < t as u32 {
+                    open.push((t as u32, k as u8));
+                    self.drain(points, &mut open, &mut changed);
+                }
+            }
+        }
+        self.open = open;
+        !changed.is_empty()
+    }
+
+    /// Flips sides that are not Delaunay, and what that makes so.
+    pub(crate) fn drain(&mut self, points: &[DVec2], open: &mut Vec<(u32, u8)>, changed: &mut Vec<u32>) {
         while let Some((t, k)) = open.pop() {
             let (t, k) = (t as usize, k as usize);
             let u = self.across[t][k];
-            if u == NONE || self.fixed[t] >> k & 1 == 1 {
+            if u == NONE || self.walls[t][k] != NONE {
                 continue;
             }
             let u = u as usize;
             let j = side_from(&self.corners[u], self.corners[t][(k + 1) % 3]);
-            if self.is_delaunay(points, t, self.corners[u][(j + 2) % 3]) {
+            if self.is_delaunay(points, [t, k], self.corners[u][(j + 2) % 3]) {
                 continue;
             }
             self.flip([t, k], [u, j]);
             let [t, u] = [t as u32, u as u32];
             open.extend([(t, 0), (t, 1), (u, 0), (u, 1)]);
+            changed.extend([t, u]);
         }
     }
 
-    /// Whether a point is not inside the circle through the corners of a triangle.
-    fn is_delaunay(&self, points: &[DVec2], t: usize, d: u32) -> bool {
+    /// Whether a side stays before the corner beyond it, which is not inside the circle of its triangle. Of the two
+    /// diagonals of four points on one circle the one that ends in the lowest vertex stays: what is Delaunay is then unique.
+    fn is_delaunay(&self, points: &[DVec2], [t, k]: [usize; 2], beyond: u32) -> bool {
         let [a, b, c] = self.corners[t];
-        let [a, b, c, d] = [a, b, c, d].map(|v| points[v as usize]).map(|p| Coord { x: p.x, y: p.y });
-        robust::incircle(a, b, c, d) <= 0.0
+        let [p, q, r, s] = [a, b, c, beyond].map(|v| points[v as usize]).map(|p| Coord { x: p.x, y: p.y });
+        let depth = robust::incircle(p, q, r, s);
+        let apex = self.corners[t][(k + 2) % 3];
+        depth < 0.0 || (depth == 0.0 && beyond.min(apex) > a.min(b).min(c))
     }
 
     /// Turns the edge between two triangles. Their sides 2 are the new edge.
     fn flip(&mut self, [t, k]: [usize; 2], [u, j]: [usize; 2]) {
-        let side = |net: &Self, t: usize, k: usize| (net.across[t][k % 3], net.fixed[t] >> (k % 3) & 1);
         let [a, b, c] = [0, 1, 2].map(|i| self.corners[t][(k + i) % 3]);
         let d = self.corners[u][(j + 2) % 3];
-        let [bc, ca] = [side(self, t, k + 1), side(self, t, k + 2)];
-        let [ad, db] = [side(self, u, j + 1), side(self, u, j + 2)];
-        self.corners[t] = [c, a, d];
-        self.across[t] = [ca.0, ad.0, u as u32];
-        self.fixed[t] = ca.1 | ad.1 << 1;
-        self.corners[u] = [d, b, c];
-        self.across[u] = [db.0, bc.0, t as u32];
-        self.fixed[u] = db.1 | bc.1 << 1;
+        let [bc, ca] = [self.side(t, k + 1), self.side(t, k + 2)];
+        let [ad, db] = [self.side(u, j + 1), self.side(u, j + 2)];
+        self.set(t, [c, a, d], [ca, ad, (u as u32, NONE)]);
+        self.set(u, [d, b, c], [db, bc, (t as u32, NONE)]);
         // Seen from beyond, an edge begins where it ends here.
         self.turn_to(ad.0, d, t as u32);
         self.turn_to(bc.0, c, u as u32);
@@ -164,8 +206,20 @@ impl Net {
         }
     }
 
+    /// What lies across a side, and the constraint on it.
+    pub(crate) fn side(&self, t: usize, k: usize) -> (u32, u32) {
+        (self.across[t][k % 3], self.walls[t][k % 3])
+    }
+
+    /// Writes a triangle with what [`Self::side`] says of its sides.
+    pub(crate) fn set(&mut self, t: usize, corners: [u32; 3], sides: [(u32, u32); 3]) {
+        self.corners[t] = corners;
+        self.across[t] = sides.map(|s| s.0);
+        self.walls[t] = sides.map(|s| s.1);
+    }
+
     /// The triangle beyond a side now borders on another one; seen from there the side begins at `from`.
-    fn turn_to(&mut self, beyond: u32, from: u32, new: u32) {
+    pub(crate) fn turn_to(&mut self, beyond: u32, from: u32, new: u32) {
         if beyond != NONE {
             let beyond = beyond as usize;
             self.across[beyond][side_from(&self.corners[beyond], from)] = new;
@@ -174,7 +228,7 @@ impl Net {
 }
 
 /// The side of a triangle that begins at one of its corners.
-fn side_from(corners: &[u32; 3], vertex: u32) -> usize {
+pub(crate) fn side_from(corners: &[u32; 3], vertex: u32) -> usize {
     if corners[0] == vertex { 0 } else { 2 - usize::from(corners[1] == vertex) }
 }
 
@@ -186,7 +240,7 @@ fn left_of(corners: &[[u32; 3]], rings: &Rings, [a, b]: [u32; 2]) -> Option<(usi
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::cdt::{Backend, Constraint, PlanarGraph, canonical, triangulate};
     use crate::rng::SplitMix64;
@@ -196,7 +250,7 @@ mod tests {
     const SIDE: usize = 8;
 
     /// A square with a square hole, a fold line of two pieces, a slit, and random points between them.
-    fn graph(random: &mut SplitMix64, count: usize) -> (PlanarGraph, usize) {
+    pub(crate) fn graph(random: &mut SplitMix64, count: usize) -> (PlanarGraph, usize) {
         let mut points: Vec<DVec2> = [(0, 0), (8, 0), (8, 8), (0, 8), (2, 2), (2, 4), (4, 4), (4, 2)]
             .map(|(x, y)| DVec2::new(f64::from(x), f64::from(y)))
             .to_vec();
@@ -251,7 +305,7 @@ mod tests {
             let mut moved = 0;
             for _ in 0..4 {
                 moved += shake(&mut graph.points, held, &net, &mut random);
-                net.flip_to_delaunay(&graph.points, held);
+                net.flip_all(&graph.points);
                 let flipped = canonical(graph.points.len(), &net.triangles());
                 for backend in [Backend::Spade, Backend::Cgal] {
                     prop_assert_eq!(&flipped, &triangulate(&graph, backend).unwrap().triangles);
@@ -263,7 +317,7 @@ mod tests {
     }
 
     /// Neighbours name each other, constraints are fixed from both sides, vertices have a triangle of theirs.
-    fn consistent(net: &Net) -> Result<(), TestCaseError> {
+    pub(crate) fn consistent(net: &Net) -> Result<(), TestCaseError> {
         for t in 0..net.corners.len() {
             for k in 0..3 {
                 let Some(beyond) = net.across[t][k].lt(&NONE).then_some(net.across[t][k] as usize) else {
@@ -272,7 +326,7 @@ mod tests {
                 let j = side_from(&net.corners[beyond], net.corners[t][(k + 1) % 3]);
                 prop_assert_eq!(net.corners[beyond][(j + 1) % 3], net.corners[t][k]);
                 prop_assert_eq!(net.across[beyond][j] as usize, t);
-                prop_assert_eq!(net.fixed[beyond] >> j & 1, net.fixed[t] >> k & 1);
+                prop_assert_eq!(net.walls[beyond][j], net.walls[t][k]);
             }
         }
         for (v, &t) in net.at.iter().enumerate().filter(|(_, t)| **t != NONE) {

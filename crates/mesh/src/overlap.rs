@@ -1,6 +1,6 @@
 //! Fold lines that run along a slit, or through its end, are led through its points: edges cannot lie on each other.
 
-use crate::refine::Planar;
+use crate::planar::Planar;
 use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree};
 use softfold_geometry::{VertexId, polygon};

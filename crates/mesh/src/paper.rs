@@ -6,12 +6,12 @@
 //! classifies edges by what lies near, ours come from their constraints. Nothing bounds the angles.
 
 use crate::boundary::Boundaries;
-use crate::cdt::triangulate;
+use crate::draft::Draft;
 use crate::graph::{GraphBuilder, boundary_polygons};
 use crate::inside::Inside;
 use crate::rng::SplitMix64;
 use crate::size::SizeField;
-use crate::{MeshError, MeshOptions, Meshed, VERTEX_DENSITY, check_vertices, finished, relax, relaxed};
+use crate::{MeshError, MeshOptions, Meshed, VERTEX_DENSITY, check_vertices, finished, relax};
 use glam::DVec2;
 use rstar::primitives::Line;
 use rstar::{PointDistance, RTree};
@@ -40,9 +40,10 @@ pub(crate) fn mesh(soft: &SoftPattern, options: &MeshOptions) -> Result<Meshed, 
     graph.points.extend(free.into_iter().filter(|p| inside.contains(*p)));
     check_vertices(graph.points.len() as f64, options)?;
     planar.sites.resize(graph.points.len(), Site::Interior);
-    let triangulated = triangulate(graph, options.backend)?;
-    relaxed(graph, held, &triangulated, options.relaxation_rounds, relax::Weight::Area);
-    finished(soft, planar, options)
+    let restless = vec![true; graph.points.len()];
+    let mut draft = Draft::new(planar, options)?;
+    relax::relax(&mut draft, held, options.relaxation_rounds, relax::Weight::Area, restless);
+    finished(soft, draft, options)
 }
 
 /// Points spread evenly over the sheet, as many as equilateral triangles of the target's edge length would have.

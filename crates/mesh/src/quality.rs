@@ -1,9 +1,11 @@
 //! How good a mesh is: its angles, what the pattern itself makes sharp, and how near edges are to their curves.
 
-use crate::refine::{BAR_DEG, Planar};
+use crate::draft::Draft;
+use crate::planar::Planar;
+use crate::refine::BAR_DEG;
 use crate::sharp::{Excuse, Sharp};
-use crate::topology::{Topology, least_angle_rad};
 use crate::tracks::Curve;
+use crate::triangle::least_tangent;
 use glam::DVec2;
 use softfold_geometry::{FlatMesh, TriangleId};
 use std::collections::BTreeMap;
@@ -21,14 +23,21 @@ pub struct Quality {
 /// Measures a mesh; zeros if it has no triangle.
 pub fn quality(mesh: &FlatMesh) -> Quality {
     let smallest = |t: usize| mesh.angles_rad(TriangleId::new(t)).into_iter().fold(f64::MAX, f64::min);
-    Quality::of((0..mesh.triangles.len()).map(|t| smallest(t).to_degrees()).collect())
+    let mut tangents: Vec<f64> = (0..mesh.triangles.len()).map(|t| smallest(t).tan()).collect();
+    Quality::of(&mut tangents)
 }
 
 impl Quality {
-    fn of(mut angles_deg: Vec<f64>) -> Self {
-        angles_deg.sort_by(f64::total_cmp);
-        let at = |i: usize| angles_deg.get(i).copied().unwrap_or(0.0);
-        Self { min_angle_deg: at(0), median_min_angle_deg: at(angles_deg.len() / 2) }
+    /// Of the tangents of smallest angles.
+    fn of(tangents: &mut [f64]) -> Self {
+        let least = tangents.iter().copied().fold(f64::MAX, f64::min);
+        let middle = tangents.len() / 2;
+        if tangents.is_empty() {
+            return Self { min_angle_deg: 0.0, median_min_angle_deg: 0.0 };
+        }
+        let median = *tangents.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let [min_angle_deg, median_min_angle_deg] = [least, median].map(|t| t.atan().to_degrees());
+        Self { min_angle_deg, median_min_angle_deg }
     }
 }
 
@@ -84,20 +93,26 @@ pub enum Sharpness {
 /// Most triangles that are named.
 const WORST: usize = 10;
 
-/// Inspects the triangulation of a graph.
-pub(crate) fn inspect(planar: &Planar<'_>, topology: &Topology, target_mm: f64) -> Inspection {
+/// Inspects a mesh.
+pub(crate) fn inspect(draft: &Draft<'_>, target_mm: f64) -> Inspection {
+    let planar = &draft.planar;
     let sharp = Sharp::new(planar, target_mm);
     let mut places = Places { planar, sharp: &sharp, corners: BTreeMap::new(), gaps: BTreeMap::new() };
-    let (mut all, mut free, mut worst) = (Vec::new(), Vec::new(), Vec::new());
-    for t in 0..topology.triangles.len() {
-        let corners = topology.corners(&planar.graph.points, t);
-        let angle_deg = least_angle_rad(corners).to_degrees();
-        all.push(angle_deg);
-        match sharp.excuse(planar, topology, t) {
-            Some(excuse) => places.add(excuse),
+    let bar = BAR_DEG.to_radians().tan();
+    let count = draft.net.corners.len();
+    let (mut free, mut excused, mut worst) = (Vec::with_capacity(count), Vec::new(), Vec::new());
+    for t in 0..count {
+        let corners = draft.places(t);
+        let tangent = least_tangent(corners);
+        match sharp.excuse(planar, &draft.net, t) {
+            Some(excuse) => {
+                excused.push(tangent);
+                places.add(excuse);
+            }
             None => {
-                free.push(angle_deg);
-                if angle_deg < BAR_DEG {
+                free.push(tangent);
+                if tangent < bar {
+                    let angle_deg = tangent.atan().to_degrees();
                     worst.push((angle_deg, (corners[0] + corners[1] + corners[2]) / 3.0));
                 }
             }
@@ -106,11 +121,18 @@ pub(crate) fn inspect(planar: &Planar<'_>, topology: &Topology, target_mm: f64) 
     worst.sort_by(|a, b| a.0.total_cmp(&b.0));
     let small = worst.len();
     worst.truncate(WORST);
+    let quality_of_free = Quality::of(&mut free);
+    let all = if excused.is_empty() {
+        quality_of_free
+    } else {
+        free.extend(&excused);
+        Quality::of(&mut free)
+    };
     let [fold_chord_mm, boundary_chord_mm] = chords_mm(planar);
     Inspection {
-        excused: all.len() - free.len(),
-        all: Quality::of(all),
-        free: Quality::of(free),
+        excused: excused.len(),
+        all,
+        free: quality_of_free,
         small,
         worst,
         places: places.listed(),

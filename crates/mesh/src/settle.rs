@@ -1,28 +1,46 @@
 //! Points at small angles move to where the smallest angle around them is largest: free ones anywhere, those on curves
 //! along their curve.
 
-use crate::MeshOptions;
-use crate::refine::{Planar, topology};
-use crate::rings::Rings;
-use crate::sharp::Sharp;
-use crate::topology::least_angle_rad;
-use crate::{MeshError, tracks::Span};
+use crate::draft::Draft;
+use crate::grow::left_of_line;
+use crate::tracks::Span;
+use crate::triangle::least_tangent;
 use glam::DVec2;
 use softfold_geometry::VertexId;
-use std::collections::BTreeSet;
-use std::f64::consts::TAU;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Directions tried around a free point.
-const DIRECTIONS: u32 = 8;
+const DIRECTIONS: [DVec2; 8] = {
+    let d = FRAC_1_SQRT_2;
+    let [x, y] = [DVec2::X, DVec2::Y];
+    [
+        x,
+        DVec2::new(d, d),
+        y,
+        DVec2::new(-d, d),
+        DVec2::NEG_X,
+        DVec2::new(-d, -d),
+        DVec2::NEG_Y,
+        DVec2::new(d, -d),
+    ]
+};
 /// First step, share of the mean distance to the neighbours, how often it is halved, and steps in all.
 const FIRST_STEP: f64 = 0.25;
 const HALVINGS: u32 = 4;
 const STEPS: u32 = 24;
+/// What a step must be worth, rad.
+const LEAST_GAIN: f64 = 1e-5;
 /// A point on a curve keeps this share of both its edges.
 const LEAST_LEFT: f64 = 0.3;
 /// No move makes a piece shorter than this share of the distance at which curves all but touch: round by round the other
 /// share alone would make some as short as nothing.
 const LEAST_PIECE: f64 = 0.5;
+/// For the sake of the mean no angle gets smaller than this, degrees.
+const KEPT_DEG: f64 = 32.0;
+/// Triangles that the pattern itself makes sharp do not count, but keep this share of the tangent of their smallest angle.
+const KEPT_SHARP: f64 = 0.5;
+/// Angles from this on are nobody's fault, degrees.
+const FINE_DEG: f64 = 30.0;
 
 /// What points move for.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -33,172 +51,208 @@ pub(crate) enum Aim {
     Mean,
 }
 
-/// For the sake of the mean no angle gets smaller than this, degrees.
-const KEPT_DEG: f64 = 32.0;
-/// Triangles that the pattern itself makes sharp do not count, but keep this share of their smallest angle.
-const KEPT_SHARP: f64 = 0.5;
-
-/// Moves the corners of triangles with smaller angles than that; whether any moved.
-pub(crate) fn round(
-    planar: &mut Planar<'_>,
-    options: &MeshOptions,
-    chord_mm: f64,
-    (below_deg, aim): (f64, Aim),
-) -> Result<bool, MeshError> {
-    let topology = topology(planar, options.backend)?;
-    let sharp = Sharp::new(planar, options.target_edge_mm);
-    let small = below_deg.to_radians();
-    let mut corners = BTreeSet::new();
-    let mut excused = vec![false; topology.triangles.len()];
-    for (t, excused) in excused.iter_mut().enumerate() {
-        *excused = sharp.excuse(planar, &topology, t).is_some();
-        if !*excused && least_angle_rad(topology.corners(&planar.graph.points, t)) < small {
-            corners.extend(topology.triangles[t]);
-        }
-    }
-    let rings = Rings::new(planar.graph.points.len(), &topology.triangles);
-    let mut moved = false;
-    for v in corners {
-        let around = rings.of(v.index()).iter().map(|&t| t as usize);
-        let ring: Vec<RingTriangle> = around.map(|t| (topology.triangles[t], excused[t])).collect();
-        moved |= match sharp.slide(planar, v) {
-            Some(pair) => {
-                let slide = Slide { pair, chord_mm, least_mm: LEAST_PIECE * sharp.near_mm };
-                slide.slid(planar, (v, &ring), aim)
-            }
-            None if sharp.at(v).is_empty() => float(planar, (v, &ring), aim),
-            None => false,
-        };
-    }
-    Ok(moved)
+/// Room to work in.
+#[derive(Default)]
+pub(crate) struct Settling {
+    around: Vec<u32>,
+    changed: Vec<u32>,
+    ring: Ring,
 }
 
-/// Corners of a triangle, and whether the pattern itself makes it sharp.
-type RingTriangle = ([VertexId; 3], bool);
+/// The triangles around a vertex, by the sides across from it.
+#[derive(Default)]
+struct Ring {
+    sides: Vec<[DVec2; 2]>,
+    /// Those of triangles that the pattern itself makes sharp.
+    sharp: Vec<[DVec2; 2]>,
+}
 
-/// A vertex with the triangles around it.
-type Ringed<'r> = (VertexId, &'r [RingTriangle]);
+impl Settling {
+    /// Moves the corners of triangles with smaller angles than that; how many moved.
+    pub(crate) fn round(&mut self, draft: &mut Draft<'_>, below_deg: f64, aim: Aim) -> usize {
+        let small = below_deg.to_radians().tan();
+        let mut asked = vec![false; draft.points().len()];
+        for t in 0..draft.net.corners.len() {
+            let tangent = least_tangent(draft.places(t));
+            if tangent < small && !(tangent < FINE_DEG.to_radians().tan() && draft.is_excused(t)) {
+                draft.net.corners[t].iter().for_each(|v| asked[*v as usize] = true);
+            }
+        }
+        let asked = (0..asked.len() as u32).filter(|v| asked[*v as usize]);
+        asked.filter(|&v| self.vertex(draft, VertexId(v), aim)).count()
+    }
 
-/// What is around a vertex, rad.
+    /// Moves a vertex; whether it did.
+    fn vertex(&mut self, draft: &mut Draft<'_>, v: VertexId, aim: Aim) -> bool {
+        let is_free = draft.sharp.at(v).is_empty();
+        let pair = if is_free { None } else { draft.sharp.slide(&draft.planar, v) };
+        if !is_free && pair.is_none() {
+            return false;
+        }
+        self.look_around(draft, v);
+        let before = draft.points()[v.index()];
+        let moved = match pair {
+            Some(pair) => Slide::new(draft, pair).slid(draft, v, &self.ring, aim),
+            None => float(draft, v, &self.ring, aim),
+        };
+        if moved && before != draft.points()[v.index()] {
+            draft.moved(v.0, &mut self.changed);
+            self.changed.clear();
+            return true;
+        }
+        false
+    }
+
+    fn look_around(&mut self, draft: &Draft<'_>, v: VertexId) {
+        draft.net.around(v.index(), &mut self.around);
+        self.ring.sides.clear();
+        self.ring.sharp.clear();
+        for &t in &self.around {
+            let corners = draft.net.corners[t as usize];
+            let k = corners.iter().position(|c| *c == v.0).unwrap_or(0);
+            let [a, b] = [1, 2].map(|i| draft.points()[corners[(k + i) % 3] as usize]);
+            let tangent = least_tangent([draft.points()[v.index()], a, b]);
+            let is_sharp = tangent < FINE_DEG.to_radians().tan() && draft.is_excused(t as usize);
+            if is_sharp { &mut self.ring.sharp } else { &mut self.ring.sides }.push([a, b]);
+        }
+    }
+}
+
+/// What is around a vertex.
+#[derive(Clone, Copy)]
 struct Angles {
-    /// Smallest angle, and mean of those of the triangles.
+    /// Tangent of the smallest angle.
     least: f64,
-    mean: f64,
-    /// Smallest angle of those that the pattern makes sharp.
+    /// Mean of the smallest angles of the triangles, rad.
+    mean_rad: f64,
+    /// Tangent of the smallest angle of those that the pattern makes sharp.
     sharp: f64,
 }
 
-/// The angles around a vertex if it were at a place.
-fn angles(points: &[DVec2], (v, ring): Ringed<'_>, place: DVec2) -> Angles {
-    let at = |w: VertexId| if w == v { place } else { points[w.index()] };
-    let (mut least, mut sharp, mut sum, mut count) = (f64::MAX, f64::MAX, 0.0, 0);
-    for (t, excused) in ring {
-        let angle = least_angle_rad(t.map(at));
-        if *excused {
-            sharp = sharp.min(angle);
-        } else {
-            (least, sum, count) = (least.min(angle), sum + angle, count + 1);
+impl Ring {
+    /// The angles around a vertex if it were at a place.
+    fn angles(&self, place: DVec2) -> Angles {
+        let (mut least, mut sum) = (f64::MAX, 0.0);
+        for [a, b] in &self.sides {
+            let tangent = least_tangent([place, *a, *b]);
+            least = least.min(tangent);
+            sum += tangent.atan();
         }
+        let sharp = self.sharp.iter().map(|[a, b]| least_tangent([place, *a, *b])).fold(f64::MAX, f64::min);
+        Angles { least, mean_rad: sum / self.sides.len().max(1) as f64, sharp }
     }
-    Angles { least, mean: sum / f64::from(count.max(1)), sharp }
-}
 
-/// What a place is worth to a vertex.
-fn worth<'r>(points: &'r [DVec2], ringed: Ringed<'r>, aim: Aim) -> impl Fn(DVec2) -> f64 + 'r {
-    let now = angles(points, ringed, points[ringed.0.index()]);
-    let kept = now.least.min(KEPT_DEG.to_radians());
-    move |place| {
-        let Angles { least, mean, sharp } = angles(points, ringed, place);
+    /// What a place is worth to a vertex, rad.
+    fn worth(&self, now: &Angles, place: DVec2, aim: Aim) -> f64 {
+        let Angles { least, mean_rad, sharp } = self.angles(place);
+        let kept = now.least.min(KEPT_DEG.to_radians().tan());
         match aim {
-            _ if sharp < KEPT_SHARP * now.sharp => sharp.min(least) - TAU,
-            Aim::Least => least,
-            Aim::Mean if least < kept => least - TAU,
-            Aim::Mean => mean,
+            _ if sharp < KEPT_SHARP * now.sharp => f64::MIN,
+            _ if least <= 0.0 => f64::MIN,
+            Aim::Least => least.atan(),
+            Aim::Mean if least < kept => f64::MIN,
+            Aim::Mean => mean_rad,
         }
+    }
+
+    /// Whether no triangle turns over with the vertex at a place.
+    fn holds(&self, place: DVec2) -> bool {
+        self.sides.iter().chain(&self.sharp).all(|[a, b]| left_of_line(*a, *b, place) > 0.0)
     }
 }
 
-fn float(planar: &mut Planar<'_>, (v, ring): Ringed<'_>, aim: Aim) -> bool {
-    let points = &planar.graph.points;
-    let start = points[v.index()];
-    let far: f64 = ring.iter().flat_map(|r| r.0).map(|w| points[w.index()].distance(start)).sum();
-    let step = FIRST_STEP * far / (2 * ring.len().max(1)) as f64;
-    let around = |p: DVec2, step: f64| {
-        (0..DIRECTIONS)
-            .map(move |k| p + step * DVec2::from_angle(TAU * f64::from(k) / f64::from(DIRECTIONS)))
-            .collect()
-    };
-    let best = climb(start, step, around, worth(points, (v, ring), aim));
-    planar.graph.points[v.index()] = best;
-    best != start
+/// Moves a vertex that is on no curve; whether it did.
+fn float(draft: &mut Draft<'_>, v: VertexId, ring: &Ring, aim: Aim) -> bool {
+    let start = draft.points()[v.index()];
+    let all = || ring.sides.iter().chain(&ring.sharp);
+    let far: f64 = all().flatten().map(|p| p.distance(start)).sum();
+    let step = FIRST_STEP * far / (2 * all().count().max(1)) as f64;
+    let now = ring.angles(start);
+    let around = |p: DVec2, step: f64| DIRECTIONS.map(|d| p + step * d);
+    let best = climb(start, step, around, |p| ring.worth(&now, p, aim));
+    let moves = best != start && ring.holds(best);
+    if moves {
+        draft.planar.graph.points[v.index()] = best;
+    }
+    moves
 }
 
 /// A move along a curve.
 struct Slide {
     /// The pieces before and after the vertex.
     pair: [u32; 2],
-    chord_mm: f64,
-    /// No piece gets shorter than this.
+    spans: [Span; 2],
+    /// Their other ends.
+    others: [DVec2; 2],
+    /// No piece gets shorter than this, mm.
     least_mm: f64,
+    chord_mm: f64,
 }
 
 impl Slide {
+    fn new(draft: &Draft<'_>, pair: [u32; 2]) -> Self {
+        let constraints = pair.map(|c| draft.planar.graph.constraints[c as usize].0);
+        Self {
+            pair,
+            spans: pair.map(|c| draft.planar.spans[c as usize]),
+            others: [constraints[0][0], constraints[1][1]].map(|w| draft.points()[w.index()]),
+            least_mm: LEAST_PIECE * draft.sharp.near_mm,
+            chord_mm: draft.chord_mm,
+        }
+    }
+
     /// Moves a vertex; whether it did.
-    fn slid(&self, planar: &mut Planar<'_>, (v, ring): Ringed<'_>, aim: Aim) -> bool {
-        let &Slide { pair, chord_mm, least_mm } = self;
-        let [before, after] = pair.map(|c| planar.spans[c as usize]);
-        let track = &planar.tracks[before.track as usize];
-        let kept = |span: Span| (LEAST_LEFT * span.length_mm()).max(least_mm.min(span.length_mm()));
-        let least = before.from_mm + kept(before);
-        let most = after.to_mm - kept(after);
-        let points = &planar.graph.points;
-        let others = [
-            planar.graph.constraints[pair[0] as usize].0[0],
-            planar.graph.constraints[pair[1] as usize].0[1],
-        ]
-        .map(|w| points[w.index()]);
-        let bends = |s: f64, p: DVec2| {
-            let spans = [Span { to_mm: s, ..before }, Span { from_mm: s, ..after }];
-            let bent = |(span, ends): (&Span, [DVec2; 2])| track.chord_error_mm(span, ends).0 > chord_mm;
-            spans.iter().zip([[others[0], p], [p, others[1]]]).any(bent)
+    fn slid(&self, draft: &mut Draft<'_>, v: VertexId, ring: &Ring, aim: Aim) -> bool {
+        let [before, after] = self.spans;
+        let kept = |span: Span| (LEAST_LEFT * span.length_mm()).max(self.least_mm.min(span.length_mm()));
+        let (least, most) = (before.from_mm + kept(before), after.to_mm - kept(after));
+        let track = &draft.planar.tracks[before.track as usize];
+        let now = ring.angles(draft.points()[v.index()]);
+        let start_worth = ring.worth(&now, draft.points()[v.index()], aim);
+        let value = |s: f64| {
+            let p = track.about(s);
+            let worth = ring.worth(&now, p, aim);
+            if worth > start_worth && self.bends(draft, s, p) { f64::MIN } else { worth }
         };
-        let start = before.to_mm;
-        let best = {
-            let worth = worth(points, (v, ring), aim);
-            let now = worth(points[v.index()]);
-            let value = |s: f64| {
-                let p = track.about(s);
-                let worth = worth(p);
-                if worth > now && bends(s, p) { f64::MIN } else { worth }
-            };
-            let step = FIRST_STEP * 0.5 * (after.to_mm - before.from_mm);
-            climb(start, step, |s, step| vec![(s - step).max(least), (s + step).min(most)], value)
-        };
-        if best == start {
+        let step = FIRST_STEP * 0.5 * (after.to_mm - before.from_mm);
+        let around = |s: f64, step: f64| [(s - step).max(least), (s + step).min(most)];
+        let best = climb(before.to_mm, step, around, value);
+        let place = track.point(best);
+        if best == before.to_mm || !ring.holds(place) {
             return false;
         }
-        planar.graph.points[v.index()] = track.point(best);
-        planar.spans[pair[0] as usize].to_mm = best;
-        planar.spans[pair[1] as usize].from_mm = best;
-        pair.iter().for_each(|&c| planar.turn(c as usize));
+        let planar = &mut draft.planar;
+        planar.graph.points[v.index()] = place;
+        planar.spans[self.pair[0] as usize].to_mm = best;
+        planar.spans[self.pair[1] as usize].from_mm = best;
+        self.pair.iter().for_each(|&c| planar.turn(c as usize));
         planar.sites[v.index()] =
-            planar.site(before.track, best, &planar.graph.constraints[pair[0] as usize].1);
+            planar.site(before.track, best, &planar.graph.constraints[self.pair[0] as usize].1);
         true
+    }
+
+    /// Whether an edge would be too far from its curve.
+    fn bends(&self, draft: &Draft<'_>, s_mm: f64, p: DVec2) -> bool {
+        let [before, after] = self.spans;
+        let track = &draft.planar.tracks[before.track as usize];
+        let spans = [Span { to_mm: s_mm, ..before }, Span { from_mm: s_mm, ..after }];
+        let bent = |(span, ends): (&Span, [DVec2; 2])| track.chord_error_mm(span, ends).0 > self.chord_mm;
+        spans.iter().zip([[self.others[0], p], [p, self.others[1]]]).any(bent)
     }
 }
 
 /// The best place that is found from a start in shrinking steps.
-fn climb<P: Copy>(
+fn climb<P: Copy, const N: usize>(
     start: P,
     first_step: f64,
-    around: impl Fn(P, f64) -> Vec<P>,
+    around: impl Fn(P, f64) -> [P; N],
     worth: impl Fn(P) -> f64,
 ) -> P {
     let (mut place, mut best, mut step, mut halvings) = (start, worth(start), first_step, 0);
     for _ in 0..STEPS {
-        let tried = around(place, step).into_iter().map(|p| (worth(p), p));
-        match tried.reduce(|a, b| if b.0 > a.0 { b } else { a }) {
-            Some((better, p)) if better > best + 1e-6 => (best, place) = (better, p),
+        let tried = around(place, step).map(|p| (worth(p), p));
+        match tried.into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a }) {
+            Some((better, p)) if better > best + LEAST_GAIN => (best, place) = (better, p),
             _ if halvings == HALVINGS => break,
             _ => {
                 step *= 0.5;
@@ -207,4 +261,24 @@ fn climb<P: Copy>(
         }
     }
     place
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_point_near_a_side_of_its_hexagon_moves_to_the_middle() {
+        let corner = |k: u32| DVec2::from_angle(f64::from(k) * TAU / 6.0);
+        let ring = Ring { sides: (0..6).map(|k| [corner(k), corner(k + 1)]).collect(), sharp: vec![] };
+        let start = DVec2::new(0.0, -0.8);
+        let now = ring.angles(start);
+        for aim in [Aim::Least, Aim::Mean] {
+            let around = |p: DVec2, step: f64| DIRECTIONS.map(|d| p + step * d);
+            let best = climb(start, 0.25, around, |p| ring.worth(&now, p, aim));
+            assert!(best.length() < 0.15, "{best}");
+        }
+        assert!(ring.holds(start) && !ring.holds(DVec2::new(0.0, -0.9)));
+    }
 }

@@ -14,7 +14,7 @@ use glam::DVec2;
 use softfold_geometry::{
     Band, CreaseId, EdgeClass, FoldLine, LineEnd, LoopId, Softness, TriangleId, polygon,
 };
-use softfold_mesh::{MeshError, MeshOptions, crosscheck, mesh, quality};
+use softfold_mesh::{Backend, MeshError, MeshOptions, crosscheck, mesh, quality};
 
 const TURN_RAD: f64 = 0.2;
 const STRIP_MM: f64 = 6.0;
@@ -117,6 +117,14 @@ fn spade_and_cgal_agree() {
     let meshed = mesh(&soft, &MeshOptions { target_edge_mm: 8.0, ..MeshOptions::default() }).unwrap();
     let check = crosscheck(&meshed.graph).unwrap();
     assert!(check.agrees(), "{check:?}");
+}
+
+#[test]
+fn both_triangulations_give_the_same_mesh() {
+    let hole = hole(DVec2::new(80.0, 100.0), 40.0);
+    let soft = pattern(vec![rectangle(300.0, 200.0), hole], vec![straight_band(0, 200.0, 300.0, 200.0)]);
+    let with = |backend| mesh(&soft, &common::options(8.0, backend)).unwrap().mesh;
+    assert_eq!(with(Backend::Spade), with(Backend::Cgal));
 }
 
 #[test]

@@ -205,7 +205,7 @@ fn largest(p: &CreasePattern, softness: &[CreaseSoftness], crease: usize, expect
     let r = largest_radius_mm.unwrap_or_else(|| panic!("{error}"));
     assert!(
         error.to_string().contains(&format!("c{crease}"))
-            && error.to_string().contains(&format!("{r:.3} mm"))
+            && error.to_string().contains(&format!("{:.3} mm", (1e3 * r).floor() / 1e3))
     );
     let with = |radius_mm: f64| {
         let mut all = softness.to_vec();

@@ -1,6 +1,6 @@
 //! What is triangulated and meshed.
 
-use crate::common::{pattern, rectangle, straight_band};
+use crate::common::{pattern, rectangle, star, straight_band};
 use glam::DVec2;
 use softfold_geometry::{CreaseId, LoopId, SoftPattern, VertexId};
 use softfold_mesh::{Constraint, MeshOptions, PlanarGraph};
@@ -59,21 +59,32 @@ pub(crate) enum Kind {
     Even,
     /// Bands much narrower than the target: short edges that grow away from them.
     Graded,
+    /// Soft and sharp creases that meet in one point.
+    Star,
 }
 
-/// A sheet with two bands that is meshed with about so many vertices.
+impl Kind {
+    pub(crate) const ALL: [Self; 3] = [Self::Even, Self::Graded, Self::Star];
+}
+
+/// A sheet that is meshed with about so many vertices.
 pub(crate) fn sheet(size: usize, kind: Kind) -> (SoftPattern, MeshOptions) {
     let [width, height] = [300.0, 200.0];
     // Found by trying; vertices are as many as the inverse square of the edge length.
     let (at_100k, strip) = match kind {
         Kind::Even => (0.85, 1.0),
         Kind::Graded => (1.3, 0.15),
+        Kind::Star => (1.0, 0.0),
     };
     let target = at_100k * (100_000.0 / size as f64).sqrt();
+    let options = MeshOptions { target_edge_mm: target, ..MeshOptions::default() };
+    if let Kind::Star = kind {
+        return (star(width, &[(15.0, 0.0), (100.0, 20.0), (190.0, 0.0), (280.0, 20.0)]), options);
+    }
     let radius = 0.5 * strip * target / 0.1_f64.sin();
     let bands = [100.0, 200.0].iter().zip(0..).map(|(&u, id)| straight_band(id, u, width, height, radius));
     let soft = pattern(vec![rectangle(width, height)], bands.collect());
-    (soft, MeshOptions { target_edge_mm: target, ..MeshOptions::default() })
+    (soft, options)
 }
 
 /// SplitMix64 (Steele, Lea, Flood 2014).

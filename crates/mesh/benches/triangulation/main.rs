@@ -53,6 +53,14 @@ fn cgal(bencher: divan::Bencher<'_, '_>, size: usize) {
     time(bencher, Contender::Cgal, size);
 }
 
+/// The points that [`whole_mesher`] ends with.
+#[divan::bench(args = SIZES, sample_count = 3)]
+fn bare_spade_of_the_mesh(bencher: divan::Bencher<'_, '_>, size: usize) {
+    let (soft, options) = input::sheet(size, input::Kind::Even);
+    let graph = softfold_mesh::mesh(&soft, &options).unwrap().graph;
+    bencher.bench_local(|| Contender::Spade.run(black_box(&graph)));
+}
+
 #[divan::bench(args = SIZES, sample_count = 3)]
 fn whole_mesher(bencher: divan::Bencher<'_, '_>, size: usize) {
     let (soft, options) = input::sheet(size, input::Kind::Even);

@@ -21,7 +21,7 @@ pub(crate) fn print(sizes: &[usize]) {
         let times = triangulation(size, python.as_ref(), before.as_ref());
         before = Some((size, times));
     }
-    for kind in [Kind::Even, Kind::Graded] {
+    for kind in Kind::ALL {
         println!("\nwhole mesher, {kind:?}: least ratio to a triangulation of its own points");
         let mut before = None;
         for &size in sizes {
@@ -51,7 +51,7 @@ fn triangulation(size: usize, python: Option<&Python>, before: Option<&(usize, V
     let fastest = least[1..].iter().copied().fold(f64::MAX, f64::min);
     for (i, contender) in Contender::ALL.into_iter().enumerate().filter(|(i, _)| least[*i] < f64::MAX) {
         if contender != Contender::Triangle {
-            bytes[i] = memory(contender, size);
+            bytes[i] = memory(contender.name(), size);
         }
         let growth = before.map(|(n, times)| exponent(*n, times[i], size, least[i]));
         let name = contender.name();
@@ -76,8 +76,9 @@ fn mesher(size: usize, kind: Kind, before: Option<(usize, f64)>) -> (usize, f64)
     let [mesh, spade, ours] = least;
     let vertices = graph.points.len();
     let growth = before.map(|(n, taken)| exponent(n, taken, vertices, mesh));
+    let mib = memory(&format!("{kind:?}"), size) / f64::from(1 << 20);
     println!(
-        "{vertices:>9} {mesh:>10.4} s, {:.2} times bare spade, {:.2} times ours {}",
+        "{vertices:>9} {mesh:>10.4} s, {:.2} times bare spade, {:.2} times ours, {mib:.1} MiB {}",
         mesh / spade,
         mesh / ours,
         shown(growth)
@@ -93,15 +94,21 @@ fn shown(growth: Option<f64>) -> String {
     growth.map_or(String::new(), |e| format!("n^{e:.2}"))
 }
 
-/// Peak memory that a program takes on top of its input, in a process of its own; 0 where the system does not tell.
-fn memory(contender: Contender, size: usize) -> f64 {
+/// Peak memory that a program, or meshing a kind of sheet, takes on top of its input, in a process of its own; 0 where the system does not tell.
+fn memory(name: &str, size: usize) -> f64 {
     let exe = std::env::current_exe().unwrap();
-    let output = Command::new(exe).args([MEMORY_FLAG, contender.name(), &size.to_string()]).output().unwrap();
+    let output = Command::new(exe).args([MEMORY_FLAG, name, &size.to_string()]).output().unwrap();
     String::from_utf8(output.stdout).unwrap().trim().parse().unwrap()
 }
 
 /// The same from inside that process.
 pub(crate) fn peak_bytes(name: &str, size: usize) -> f64 {
+    if let Some(kind) = Kind::ALL.into_iter().find(|k| format!("{k:?}") == name) {
+        let (soft, options) = input::sheet(size, kind);
+        let before = resident("VmRSS:");
+        drop(softfold_mesh::mesh(&soft, &options).unwrap());
+        return resident("VmHWM:") - before;
+    }
     let graph = input::graph(size);
     let before = resident("VmRSS:");
     Contender::by_name(name).expect("a contender").run(&graph);
