@@ -78,7 +78,7 @@ fn soft_folds_tend_to_the_sharp_closed_forms_at_first_order() {
 fn far_rms_mm(mirror: &Mirror, sheet: &FoldedSheet) -> f64 {
     let exact = mirror.positions(&sheet.mesh);
     let far: Vec<usize> =
-        (0..exact.len()).filter(|&i| mirror.from_crease_mm(sheet.mesh.vertices[i]).abs() > FAR_MM).collect();
+        (0..exact.len()).filter(|&i| mirror.off_crease_mm(sheet.mesh.vertices[i]).abs() > FAR_MM).collect();
     let of = |x: &[DVec3]| far.iter().map(|&i| x[i]).collect::<Vec<_>>();
     aligned_rms_mm(&of(&sheet.positions), &of(&exact))
 }

@@ -90,10 +90,10 @@ pub(crate) fn on_line(mesh: &FlatMesh, line: u32) -> Vec<VertexId> {
 pub(crate) fn all_angles(mirror: &Mirror, mesh: &FlatMesh, bending_mm2: f64) -> Vec<Box<dyn Goal>> {
     let exact = mirror.exact(mesh);
     let folds = mesh.edges.iter().filter(|e| matches!(e.class, EdgeClass::Fold { .. }));
-    let from_crease_mm = |v: VertexId| mirror.from_crease_mm(mesh.vertices[v.index()]).abs();
-    let half_width_mm = folds.flat_map(|e| e.vertices).map(from_crease_mm).fold(0.0, f64::max);
+    let off_crease_mm = |v: VertexId| mirror.off_crease_mm(mesh.vertices[v.index()]).abs();
+    let half_width_mm = folds.flat_map(|e| e.vertices).map(off_crease_mm).fold(0.0, f64::max);
     let in_band = |t: &TriangleId| {
-        mesh.triangles[t.index()].iter().all(|v| from_crease_mm(*v) <= half_width_mm * (1.0 + 1e-9))
+        mesh.triangles[t.index()].iter().all(|v| off_crease_mm(*v) <= half_width_mm * (1.0 + 1e-9))
     };
     let square = |id: EdgeId| {
         let sides = mesh.edges[id.index()].triangles;
@@ -113,7 +113,7 @@ pub(crate) fn all_angles(mirror: &Mirror, mesh: &FlatMesh, bending_mm2: f64) -> 
 
 impl Mirror {
     /// How far beyond the crease a point of the flat sheet is, along its ruling, mm.
-    pub(crate) fn from_crease_mm(&self, p: DVec2) -> f64 {
+    pub(crate) fn off_crease_mm(&self, p: DVec2) -> f64 {
         let [r, along] = self.surface.unrolled(p);
         along - self.crease(r)
     }

@@ -39,6 +39,9 @@ pub(crate) struct GraphBuilder<'a> {
     at_meetings: Vec<Option<VertexId>>,
 }
 
+/// A line that leaves the chord between its ends by less than this share of it is straight.
+const LEAST_BEND: f64 = 1e-3;
+
 impl<'a> GraphBuilder<'a> {
     pub(crate) fn new(
         soft: &'a SoftPattern,
@@ -184,7 +187,11 @@ impl<'a> GraphBuilder<'a> {
     fn stretch(&mut self, stretch: &Stretch<'a>, number: u32) {
         let mut lines = rows(stretch, self.options, self.sizes, 1);
         if stretch.is_sharp() && lines.iter().any(|samples| self.is_taken(stretch, samples)) {
-            lines = rows(stretch, self.options, self.sizes, 2);
+            // Where ends became one and both are straight, the edge stands for both.
+            let apart = rows(stretch, self.options, self.sizes, 2);
+            if apart.iter().all(|samples| self.is_bent(stretch, samples)) {
+                lines = apart;
+            }
         }
         for (i, samples) in lines.iter().enumerate() {
             let line = stretch.first + i as u32;
@@ -202,6 +209,17 @@ impl<'a> GraphBuilder<'a> {
             (Some(a), Some(b)) => samples.len() == 2 && self.constrained.contains(&sorted([a, b])),
             _ => false,
         }
+    }
+
+    /// Whether a line of more than one piece leaves the edge between its ends' vertices.
+    fn is_bent(&self, stretch: &Stretch<'_>, samples: &[Sample]) -> bool {
+        let ends = stretch.lines[0].ends.iter().zip([samples.first(), samples.last()]);
+        let mut known = ends.filter_map(|(end, sample)| self.known_end(*end, sample?.0));
+        let (Some(a), Some(b)) = (known.next(), known.next()) else { return true };
+        let [a, b] = [a, b].map(|v| self.points[v.index()]);
+        let off = |s: &Sample| polygon::segment_distance(s.0, a, b);
+        let least_mm = LEAST_BEND * a.distance(b);
+        samples[1..samples.len() - 1].iter().any(|s| off(s) > least_mm)
     }
 
     fn known_end(&self, end: LineEnd, point: DVec2) -> Option<VertexId> {

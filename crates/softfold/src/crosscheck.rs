@@ -149,6 +149,8 @@ impl From<&Found> for json::Crosschecks {
 mod tests {
     use super::*;
 
+    type Spoil = fn(&mut Found);
+
     fn agreed() -> Found {
         let mesh = Crosscheck {
             constraints_held: true,
@@ -196,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_broken_constraint_a_lost_area_and_a_refusal_end_agreement() {
-        let spoil: [(fn(&mut Found), &str); 4] = [
+        let spoil: [(Spoil, &str); 4] = [
             (|f| f.mesh.constraints_held = false, "BROKEN"),
             (|f| f.lines.pieces.area_relative_difference = 1e-6, "1.0e-6"),
             (|f| f.lines.area_over_allowance = 2.0, "2.00 of what"),
