@@ -22,6 +22,19 @@ pub struct Stability {
     pub contact_points: usize,
     /// Height of the ground, mm: the lowest point.
     pub ground_z_mm: f64,
+    /// Height of the highest point above the ground, mm.
+    pub height_mm: f64,
+}
+
+/// Standard gravity, m/s².
+const GRAVITY: f64 = 9.80665;
+
+impl Stability {
+    /// The horizontal push at the highest point that tips a body of this mass over the nearest edge, N: there its moment
+    /// about the edge is that of the weight. None needed, 0, if it falls by itself; infinite without height.
+    pub fn tipping_push_n(&self, mass_kg: f64) -> f64 {
+        mass_kg * GRAVITY * self.margin_mm.max(0.0) / self.height_mm
+    }
 }
 
 /// How the body of these points rests as it is posed: contact is what lies within `contact_mm` of the lowest point.
@@ -33,20 +46,21 @@ pub struct Stability {
 pub fn stability(points: &[DVec3], barycenter: DVec3, contact_mm: f64) -> Result<Stability, MoldError> {
     Setting::of("stability", "contact_mm", "contact tolerance (mm)").positive(contact_mm)?;
     let ground_z_mm = points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+    let top_z_mm = points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
     let contact: Vec<[f64; 2]> =
         points.iter().filter(|p| p.z <= ground_z_mm + contact_mm).map(|p| [p.x, p.y]).collect();
     let corners = cgal::convex_hull(&contact).during(|| "the contact hull".into())?;
     let hull: Vec<DVec2> = corners.iter().map(|&i| DVec2::from(contact[i as usize])).collect();
     let margin_mm = margin_mm(&hull, barycenter.truncate());
-    let height_mm = barycenter.z - ground_z_mm;
     Ok(Stability {
         stable: margin_mm > 0.0,
         margin_mm,
-        tipping_angle_deg: margin_mm.atan2(height_mm).to_degrees(),
+        tipping_angle_deg: margin_mm.atan2(barycenter.z - ground_z_mm).to_degrees(),
         barycenter_mm: barycenter,
         hull,
         contact_points: contact.len(),
         ground_z_mm,
+        height_mm: top_z_mm - ground_z_mm,
     })
 }
 
@@ -78,6 +92,15 @@ mod tests {
         let s = rest(DVec3::new(0.0, 0.0, 50.0));
         assert!(s.stable && s.margin_mm == 50.0 && s.contact_points == 4 && s.hull.len() == 4);
         assert!((s.tipping_angle_deg - 45.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_push_at_the_top_has_the_moment_of_the_weight() {
+        let s = rest(DVec3::new(0.0, 0.0, 50.0));
+        // 50 mm from the barycenter to the edge, 70 mm up to the top.
+        assert_eq!(s.height_mm, 70.0);
+        assert!((s.tipping_push_n(2.0) - 2.0 * 9.80665 * 50.0 / 70.0).abs() < 1e-12);
+        assert_eq!(rest(DVec3::new(0.0, -60.0, 50.0)).tipping_push_n(2.0), 0.0, "it falls by itself");
     }
 
     #[test]

@@ -244,6 +244,7 @@ fn stability(results: &Results, rest: &Rest) -> json::Stability {
         stable: s.stable,
         margin_mm: s.margin_mm,
         tipping_angle_deg: s.tipping_angle_deg,
+        tipping_push_n: results.board.as_ref().map_or(0.0, |b| s.tipping_push_n(b.mass_kg)),
         barycenter_mm: triple(s.barycenter_mm),
         hull: s.hull.iter().map(|p| pair(*p)).collect(),
         contact_points: s.contact_points,

@@ -7,7 +7,8 @@ use softfold_soften::{Along, CreaseSoftness, Segments, soften};
 use std::f64::consts::{PI, TAU};
 
 /// Vertices with the strips per band that go with them.
-pub(crate) const SIZES: [(usize, u32); 5] = [(600, 2), (2_000, 4), (10_000, 6), (50_000, 12), (200_000, 16)];
+pub(crate) const SIZES: [(usize, u32); 6] =
+    [(600, 2), (2_000, 4), (10_000, 6), (22_000, 8), (50_000, 12), (200_000, 16)];
 /// Tries end when the vertices differ from the number asked for by no more than this share; else the nearest counts. Fold
 /// lines set a least number, which the coarsest mesh of the S comes near to.
 const NEAR: f64 = 0.03;

@@ -364,6 +364,7 @@ fn stability_facts(s: &Stability) -> String {
         .row("Stands", yes(s.stable))
         .row("Barycenter to the nearest edge", with_unit(s.margin_mm, "mm"))
         .row("Tips at", with_unit(s.tipping_angle_deg, "°"))
+        .row("Tips by a push at its top of", with_unit(s.tipping_push_n, "N"))
         .row("Tilts until it rests", with_unit(s.tilt_deg, "°"))
         .row("Barycenter at rest", place(&s.barycenter_mm))
         .row("Height", with_unit(s.height_mm, "mm"))

@@ -357,6 +357,9 @@ pub struct Stability {
     pub margin_mm: f64,
     /// Angle by which it can be tipped before it falls, degrees.
     pub tipping_angle_deg: f64,
+    /// Horizontal push at the highest point that tips it over the nearest edge, N.
+    #[serde(default)]
+    pub tipping_push_n: f64,
     /// Barycenter as it stands, mm.
     pub barycenter_mm: [f64; 3],
     /// Convex hull of the contact points, counter-clockwise, mm.

@@ -124,9 +124,10 @@ fn board_line(b: &Board) -> String {
 fn stability_line(s: &Stability) -> String {
     let text = if s.stable {
         format!(
-            "yes: {} to the nearest edge, tips at {}",
+            "yes: {} to the nearest edge, tips at {} or by {} at its top",
             with_unit(s.margin_mm, "mm"),
-            with_unit(s.tipping_angle_deg, "°")
+            with_unit(s.tipping_angle_deg, "°"),
+            with_unit(s.tipping_push_n, "N")
         )
     } else {
         format!("NO: the barycenter lies {} outside its feet", with_unit(-s.margin_mm, "mm"))
