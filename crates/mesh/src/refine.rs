@@ -30,6 +30,8 @@ const POLISH_DEG: f64 = 55.0;
 const POLISHES: usize = 12;
 /// A mesh of this median, degrees, needs none of those.
 const GOOD_MEDIAN_DEG: f64 = 50.0;
+/// One that ends below this median may have angles a little less kept for its sake.
+const SHORT_MEDIAN_DEG: f64 = 45.1;
 /// No edge is split, and no point set, nearer than this share of the distance at which curves all but touch, or of the
 /// narrowest row.
 const FLOOR: f64 = 0.25;
@@ -60,6 +62,12 @@ pub(crate) fn refine(draft: &mut Draft<'_>, shortest_row_mm: f64) {
             }
         }
         if refiner.insert(most) == 0 {
+            break;
+        }
+    }
+    for _ in 0..POLISHES {
+        let is_good = refiner.median_tangent() >= SHORT_MEDIAN_DEG.to_radians().tan();
+        if is_good || settling.round(refiner.draft, POLISH_DEG, Aim::MeanAtAPrice) == 0 {
             break;
         }
     }

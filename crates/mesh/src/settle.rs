@@ -35,8 +35,8 @@ const LEAST_LEFT: f64 = 0.3;
 /// No move makes a piece shorter than this share of the distance at which curves all but touch: round by round the other
 /// share alone would make some as short as nothing.
 const LEAST_PIECE: f64 = 0.5;
-/// For the sake of the mean no angle gets smaller than this, degrees.
-const KEPT_DEG: f64 = 32.0;
+/// For the sake of the mean no angle gets smaller than this, degrees; the second at a price.
+const KEPT_DEG: [f64; 2] = [32.0, 24.0];
 /// Triangles that the pattern itself makes sharp do not count, but keep this share of the tangent of their smallest angle.
 const KEPT_SHARP: f64 = 0.5;
 /// Angles from this on are nobody's fault, degrees.
@@ -49,6 +49,8 @@ pub(crate) enum Aim {
     Least,
     /// The mean of the smallest angles of the triangles around it; none of them gets bad by it.
     Mean,
+    /// The same, at the price of some that get worse than that.
+    MeanAtAPrice,
 }
 
 /// Room to work in.
@@ -145,13 +147,13 @@ impl Ring {
     /// What a place is worth to a vertex, rad.
     fn worth(&self, now: &Angles, place: DVec2, aim: Aim) -> f64 {
         let Angles { least, mean_rad, sharp } = self.angles(place);
-        let kept = now.least.min(KEPT_DEG.to_radians().tan());
+        let kept = now.least.min(KEPT_DEG[usize::from(aim == Aim::MeanAtAPrice)].to_radians().tan());
         match aim {
             _ if sharp < KEPT_SHARP * now.sharp => f64::MIN,
             _ if least <= 0.0 => f64::MIN,
             Aim::Least => least.atan(),
-            Aim::Mean if least < kept => f64::MIN,
-            Aim::Mean => mean_rad,
+            Aim::Mean | Aim::MeanAtAPrice if least < kept => f64::MIN,
+            Aim::Mean | Aim::MeanAtAPrice => mean_rad,
         }
     }
 
