@@ -22,16 +22,9 @@ impl<'a> Draft<'a> {
     /// Triangulates; whichever library does it, the net is the same.
     pub(crate) fn new(planar: Planar<'a>, options: &MeshOptions) -> Result<Self, MeshError> {
         let graph = &planar.graph;
-        let walled = |triangles: &[[VertexId; 3]]| {
-            let (mut net, rings) = Net::new(graph.points.len(), triangles);
-            for (i, (edge, _)) in graph.constraints.iter().enumerate() {
-                net.wall(&rings, *edge, i as u32);
-            }
-            net
-        };
-        let mut net = walled(&triangulate(graph, options.backend)?.triangles);
+        let mut net = Net::of_graph(graph, &triangulate(graph, options.backend)?.triangles);
         if net.flip_all(&graph.points) {
-            net = walled(&canonical(graph.points.len(), &net.triangles()));
+            net = Net::of_graph(graph, &canonical(graph.points.len(), &net.triangles()));
         }
         let sharp = Sharp::new(&planar, options.target_edge_mm);
         Ok(Self { planar, net, sharp, chord_mm: options.chord * options.target_edge_mm })

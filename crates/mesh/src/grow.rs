@@ -129,10 +129,7 @@ mod tests {
             let mut random = SplitMix64(seed);
             let (mut graph, _) = graph(&mut random, 6);
             let first = triangulate(&graph, Backend::Spade).unwrap().triangles;
-            let (mut net, rings) = Net::new(graph.points.len(), &first);
-            for (i, (edge, _)) in graph.constraints.iter().enumerate() {
-                net.wall(&rings, *edge, i as u32);
-            }
+            let mut net = Net::of_graph(&graph, &first);
             let mut changed = Vec::new();
             for _ in 0..count {
                 let p = 8.0 * DVec2::new(random.unit(), random.unit());
@@ -174,8 +171,7 @@ mod tests {
             let grown = canonical(graph.points.len(), &net.triangles());
             for backend in [Backend::Spade, Backend::Cgal] {
                 let given = triangulate(&graph, backend).unwrap().triangles;
-                let (mut whole, rings) = Net::new(graph.points.len(), &given);
-                graph.constraints.iter().for_each(|(edge, _)| whole.fix(&rings, *edge));
+                let mut whole = Net::of_graph(&graph, &given);
                 // Of the diagonals between points on one circle each has its own.
                 whole.flip_all(&graph.points);
                 prop_assert_eq!(&grown, &canonical(graph.points.len(), &whole.triangles()));

@@ -215,12 +215,12 @@ pub fn mesh(soft: &SoftPattern, options: &MeshOptions) -> Result<Meshed, MeshErr
     let mut draft = Draft::new(planar, options)?;
     relax::relax(&mut draft, held, options.relaxation_rounds, weight, restless);
     refine::refine(&mut draft, shortest_row_mm(soft, options));
-    finished(soft, draft, options)
+    finished(soft, draft)
 }
 
 /// Inspected, opened along slits and classified.
-fn finished(soft: &SoftPattern, draft: Draft<'_>, options: &MeshOptions) -> Result<Meshed, MeshError> {
-    let inspection = quality::inspect(&draft, options.target_edge_mm);
+fn finished(soft: &SoftPattern, draft: Draft<'_>) -> Result<Meshed, MeshError> {
+    let inspection = quality::inspect(&draft);
     let triangles = draft.triangles();
     let Planar { graph, sites, .. } = draft.planar;
     let opened = split::open(&graph, sites, triangles);

@@ -1,6 +1,7 @@
 //! Triangles that know their neighbours and the constraints between them, in flat arrays, and the flips that make them
 //! Delaunay again after vertices have moved.
 
+use crate::cdt::PlanarGraph;
 use crate::rings::Rings;
 use glam::DVec2;
 use robust::Coord;
@@ -46,6 +47,15 @@ impl Net {
         let at = (0..vertices).map(|v| rings.of(v).first().copied().unwrap_or(NONE)).collect();
         let walls = vec![[NONE; 3]; corners.len()];
         (Self { corners, across, walls, at, open: vec![], ring: vec![] }, rings)
+    }
+
+    /// The same with the constraints of a graph as walls.
+    pub(crate) fn of_graph(graph: &PlanarGraph, triangles: &[[VertexId; 3]]) -> Self {
+        let (mut net, rings) = Self::new(graph.points.len(), triangles);
+        for (i, (edge, _)) in graph.constraints.iter().enumerate() {
+            net.wall(&rings, *edge, i as u32);
+        }
+        net
     }
 
     /// The triangle to the left of an edge, and which of its sides the edge is.
@@ -242,7 +252,8 @@ fn left_of(corners: &[[u32; 3]], rings: &Rings, [a, b]: [u32; 2]) -> Option<(usi
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::cdt::{Backend, Constraint, PlanarGraph, canonical, triangulate};
+    use crate::cdt::{Backend, Constraint, canonical, triangulate};
+    use crate::grow::left_of_line;
     use crate::rng::SplitMix64;
     use proptest::prelude::*;
     use softfold_geometry::{CreaseId, LoopId};
@@ -279,10 +290,7 @@ pub(crate) mod tests {
         let (mut ring, mut moved) = (Vec::new(), 0);
         for v in held..points.len() {
             let p = points[v] + DVec2::new(random.unit() - 0.5, random.unit() - 0.5);
-            let is_left = |a: u32, b: u32| {
-                let [a, b, p] = [points[a as usize], points[b as usize], p].map(|p| Coord { x: p.x, y: p.y });
-                robust::orient2d(a, b, p) > 0.0
-            };
+            let is_left = |a: u32, b: u32| left_of_line(points[a as usize], points[b as usize], p) > 0.0;
             let whole = net.ring(v, &mut ring);
             if whole && (0..ring.len()).all(|i| is_left(ring[i], ring[(i + 1) % ring.len()])) {
                 points[v] = p;
@@ -300,8 +308,7 @@ pub(crate) mod tests {
             let mut random = SplitMix64(seed);
             let (mut graph, held) = graph(&mut random, count);
             let before = triangulate(&graph, Backend::Spade).unwrap().triangles;
-            let (mut net, rings) = Net::new(graph.points.len(), &before);
-            graph.constraints.iter().for_each(|(edge, _)| net.fix(&rings, *edge));
+            let mut net = Net::of_graph(&graph, &before);
             let mut moved = 0;
             for _ in 0..4 {
                 moved += shake(&mut graph.points, held, &net, &mut random);

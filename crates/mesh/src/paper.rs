@@ -43,7 +43,7 @@ pub(crate) fn mesh(soft: &SoftPattern, options: &MeshOptions) -> Result<Meshed, 
     let restless = vec![true; graph.points.len()];
     let mut draft = Draft::new(planar, options)?;
     relax::relax(&mut draft, held, options.relaxation_rounds, relax::Weight::Area, restless);
-    finished(soft, draft, options)
+    finished(soft, draft)
 }
 
 /// Points spread evenly over the sheet, as many as equilateral triangles of the target's edge length would have.

@@ -31,14 +31,18 @@ impl Quality {
     /// Of the tangents of smallest angles.
     fn of(tangents: &mut [f64]) -> Self {
         let least = tangents.iter().copied().fold(f64::MAX, f64::min);
-        let middle = tangents.len() / 2;
-        if tangents.is_empty() {
+        let Some(median) = median(tangents) else {
             return Self { min_angle_deg: 0.0, median_min_angle_deg: 0.0 };
-        }
-        let median = *tangents.select_nth_unstable_by(middle, f64::total_cmp).1;
+        };
         let [min_angle_deg, median_min_angle_deg] = [least, median].map(|t| t.atan().to_degrees());
         Self { min_angle_deg, median_min_angle_deg }
     }
+}
+
+/// The median, the upper one of an even number; none of nothing. Changes the order.
+pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// What a mesh is like, held against what its pattern allows.
@@ -94,10 +98,9 @@ pub enum Sharpness {
 const WORST: usize = 10;
 
 /// Inspects a mesh.
-pub(crate) fn inspect(draft: &Draft<'_>, target_mm: f64) -> Inspection {
-    let planar = &draft.planar;
-    let sharp = Sharp::new(planar, target_mm);
-    let mut places = Places { planar, sharp: &sharp, corners: BTreeMap::new(), gaps: BTreeMap::new() };
+pub(crate) fn inspect(draft: &Draft<'_>) -> Inspection {
+    let Draft { planar, sharp, .. } = draft;
+    let mut places = Places { planar, sharp, corners: BTreeMap::new(), gaps: BTreeMap::new() };
     let bar = BAR_DEG.to_radians().tan();
     let count = draft.net.corners.len();
     let (mut free, mut excused, mut worst) = (Vec::with_capacity(count), Vec::new(), Vec::new());

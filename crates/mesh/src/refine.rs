@@ -9,6 +9,7 @@
 use crate::draft::Draft;
 use crate::grow::left_of_line;
 use crate::net::NONE;
+use crate::quality::median;
 use crate::settle::{Aim, Settling};
 use crate::triangle::{least_tangent, shortest};
 use glam::DVec2;
@@ -28,10 +29,10 @@ const SETTLINGS: usize = 3;
 /// Moves for the sake of the many triangles: at angles below this, degrees, so often as long as it helps.
 const POLISH_DEG: f64 = 55.0;
 const POLISHES: usize = 12;
-/// A mesh of this median, degrees, needs none of those.
-const GOOD_MEDIAN_DEG: f64 = 50.0;
-/// One that ends below this median may have angles a little less kept for its sake.
-const SHORT_MEDIAN_DEG: f64 = 45.1;
+/// No angle gets smaller than this by them, degrees. A mesh of the median beside it needs none, and one that ends below the
+/// second median may have angles a little less kept for its sake.
+const KEPT_DEG: [f64; 2] = [32.0, 24.0];
+const MEDIAN_DEG: [f64; 2] = [50.0, 45.1];
 /// No edge is split, and no point set, nearer than this share of the distance at which curves all but touch, or of the
 /// narrowest row.
 const FLOOR: f64 = 0.25;
@@ -50,12 +51,7 @@ pub(crate) fn refine(draft: &mut Draft<'_>, shortest_row_mm: f64) {
     let mut refiner = Refiner { draft, floor_mm, bad: BinaryHeap::new(), changed: vec![] };
     let mut settling = Settling::default();
     for _ in 0..PASSES {
-        for _ in 0..POLISHES {
-            let is_good = refiner.median_tangent() >= GOOD_MEDIAN_DEG.to_radians().tan();
-            if is_good || settling.round(refiner.draft, POLISH_DEG, Aim::Mean) == 0 {
-                break;
-            }
-        }
+        refiner.polish(&mut settling, KEPT_DEG[0], MEDIAN_DEG[0]);
         for _ in 0..SETTLINGS {
             if settling.round(refiner.draft, SETTLE_DEG, Aim::Least) == 0 {
                 break;
@@ -65,12 +61,7 @@ pub(crate) fn refine(draft: &mut Draft<'_>, shortest_row_mm: f64) {
             break;
         }
     }
-    for _ in 0..POLISHES {
-        let is_good = refiner.median_tangent() >= SHORT_MEDIAN_DEG.to_radians().tan();
-        if is_good || settling.round(refiner.draft, POLISH_DEG, Aim::MeanAtAPrice) == 0 {
-            break;
-        }
-    }
+    refiner.polish(&mut settling, KEPT_DEG[1], MEDIAN_DEG[1]);
 }
 
 /// A triangle by its tangent, as bits that order like it, and its corners: it is out of date once these have changed. Last
@@ -87,14 +78,21 @@ struct Refiner<'d, 'a> {
 }
 
 impl Refiner<'_, '_> {
+    /// Moves points for the sake of the many triangles until the median is good, or nothing moves.
+    fn polish(&mut self, settling: &mut Settling, kept_deg: f64, median_deg: f64) {
+        for _ in 0..POLISHES {
+            let is_good = self.median_tangent() >= median_deg.to_radians().tan();
+            if is_good || settling.round(self.draft, POLISH_DEG, Aim::Mean { kept_deg }) == 0 {
+                break;
+            }
+        }
+    }
+
     /// Median over the triangles of the tangent of their smallest angle.
     fn median_tangent(&self) -> f64 {
         let count = self.draft.net.corners.len();
         let mut all: Vec<f64> = (0..count).map(|t| least_tangent(self.draft.places(t))).collect();
-        if all.is_empty() {
-            return 0.0;
-        }
-        *all.select_nth_unstable_by(count / 2, f64::total_cmp).1
+        median(&mut all).unwrap_or(0.0)
     }
 
     /// Adds points until no triangle asks for more, or `most` points are there; how many were added.

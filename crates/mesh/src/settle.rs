@@ -35,22 +35,21 @@ const LEAST_LEFT: f64 = 0.3;
 /// No move makes a piece shorter than this share of the distance at which curves all but touch: round by round the other
 /// share alone would make some as short as nothing.
 const LEAST_PIECE: f64 = 0.5;
-/// For the sake of the mean no angle gets smaller than this, degrees; the second at a price.
-const KEPT_DEG: [f64; 2] = [32.0, 24.0];
 /// Triangles that the pattern itself makes sharp do not count, but keep this share of the tangent of their smallest angle.
 const KEPT_SHARP: f64 = 0.5;
 /// Angles from this on are nobody's fault, degrees.
 const FINE_DEG: f64 = 30.0;
 
 /// What points move for.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Aim {
     /// The smallest angle around each.
     Least,
-    /// The mean of the smallest angles of the triangles around it; none of them gets bad by it.
-    Mean,
-    /// The same, at the price of some that get worse than that.
-    MeanAtAPrice,
+    /// The mean of the smallest angles of the triangles around it.
+    Mean {
+        /// No angle gets smaller than this by it, degrees.
+        kept_deg: f64,
+    },
 }
 
 /// Room to work in.
@@ -76,7 +75,7 @@ impl Settling {
         let mut asked = vec![false; draft.points().len()];
         for t in 0..draft.net.corners.len() {
             let tangent = least_tangent(draft.places(t));
-            if tangent < small && !(tangent < FINE_DEG.to_radians().tan() && draft.is_excused(t)) {
+            if tangent < small && !is_sharp(draft, t, tangent) {
                 draft.net.corners[t].iter().for_each(|v| asked[*v as usize] = true);
             }
         }
@@ -114,10 +113,15 @@ impl Settling {
             let k = corners.iter().position(|c| *c == v.0).unwrap_or(0);
             let [a, b] = [1, 2].map(|i| draft.points()[corners[(k + i) % 3] as usize]);
             let tangent = least_tangent([draft.points()[v.index()], a, b]);
-            let is_sharp = tangent < FINE_DEG.to_radians().tan() && draft.is_excused(t as usize);
-            if is_sharp { &mut self.ring.sharp } else { &mut self.ring.sides }.push([a, b]);
+            if is_sharp(draft, t as usize, tangent) { &mut self.ring.sharp } else { &mut self.ring.sides }
+                .push([a, b]);
         }
     }
+}
+
+/// Whether the pattern itself makes a triangle of this least tangent sharp.
+fn is_sharp(draft: &Draft<'_>, t: usize, tangent: f64) -> bool {
+    tangent < FINE_DEG.to_radians().tan() && draft.is_excused(t)
 }
 
 /// What is around a vertex.
@@ -147,13 +151,12 @@ impl Ring {
     /// What a place is worth to a vertex, rad.
     fn worth(&self, now: &Angles, place: DVec2, aim: Aim) -> f64 {
         let Angles { least, mean_rad, sharp } = self.angles(place);
-        let kept = now.least.min(KEPT_DEG[usize::from(aim == Aim::MeanAtAPrice)].to_radians().tan());
         match aim {
             _ if sharp < KEPT_SHARP * now.sharp => f64::MIN,
             _ if least <= 0.0 => f64::MIN,
             Aim::Least => least.atan(),
-            Aim::Mean | Aim::MeanAtAPrice if least < kept => f64::MIN,
-            Aim::Mean | Aim::MeanAtAPrice => mean_rad,
+            Aim::Mean { kept_deg } if least < now.least.min(kept_deg.to_radians().tan()) => f64::MIN,
+            Aim::Mean { .. } => mean_rad,
         }
     }
 
@@ -276,7 +279,7 @@ mod tests {
         let ring = Ring { sides: (0..6).map(|k| [corner(k), corner(k + 1)]).collect(), sharp: vec![] };
         let start = DVec2::new(0.0, -0.8);
         let now = ring.angles(start);
-        for aim in [Aim::Least, Aim::Mean] {
+        for aim in [Aim::Least, Aim::Mean { kept_deg: 32.0 }] {
             let around = |p: DVec2, step: f64| DIRECTIONS.map(|d| p + step * d);
             let best = climb(start, 0.25, around, |p| ring.worth(&now, p, aim));
             assert!(best.length() < 0.15, "{best}");

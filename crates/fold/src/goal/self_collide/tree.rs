@@ -46,6 +46,11 @@ fn around(rectangles: impl Iterator<Item = Rectangle>) -> Rectangle {
     rectangles.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], union)
 }
 
+/// Around points.
+pub(super) fn bounds(points: impl Iterator<Item = DVec2>) -> Rectangle {
+    around(points.map(|p| [p; 2]))
+}
+
 fn aabb(lower: DVec3, upper: DVec3) -> Aabb {
     // parry has a glam of its own.
     Aabb::new(lower.to_array().into(), upper.to_array().into())
@@ -54,8 +59,8 @@ fn aabb(lower: DVec3, upper: DVec3) -> Aabb {
 impl Tree {
     /// Of triangles by their corners, whose places on the flat sheet are `flat`.
     pub(super) fn new(triangles: Vec<[u32; 3]>, flat: &[DVec2]) -> Self {
-        let bounds = |t: &[u32; 3]| around(t.iter().map(|v| [flat[*v as usize]; 2]));
-        let flat: Vec<Rectangle> = triangles.iter().map(bounds).collect();
+        let of_triangle = |t: &[u32; 3]| bounds(t.iter().map(|v| flat[*v as usize]));
+        let flat: Vec<Rectangle> = triangles.iter().map(of_triangle).collect();
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
         let mut parts = Vec::new();
         halve(&mut order, &flat, &mut parts);

@@ -10,7 +10,7 @@
 //!
 //! With c = 2/π a window may bend by a good quarter of a turn: places in it are further apart than the ends of half a turn.
 
-use super::tree::Rectangle;
+use super::tree::{Rectangle, bounds};
 use super::way::Path;
 use glam::{DMat2, DVec2, DVec3};
 use softfold_geometry::{FlatMesh, VertexId};
@@ -66,10 +66,6 @@ impl Calm<'_> {
             grid.holding(flat).any(promises)
         })
     }
-}
-
-fn bounds(it: impl Iterator<Item = DVec2>) -> Rectangle {
-    it.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[l, u], p| [l.min(p), u.max(p)])
 }
 
 impl Windows {
