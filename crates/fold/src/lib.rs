@@ -28,6 +28,7 @@ mod order;
 mod patch;
 #[cfg(test)]
 mod plate_tests;
+pub mod pyramid;
 pub mod relax;
 #[cfg(test)]
 mod relax_tests;
@@ -53,9 +54,10 @@ pub use goal::{
 };
 pub use lbfgs::LbfgsOptions;
 pub use material::{FREE_FACTOR, FaceBending, SheetMaterial};
-pub use multilevel::{Carry, Level, Pyramid, fold_multilevel};
+pub use multilevel::fold_multilevel;
 pub use newton::NewtonOptions;
 pub use objective::Objective;
+pub use pyramid::{Between, Carry, Level, Pyramid};
 pub use relax::{Momentum, RelaxOptions};
 pub use session::Session;
 pub use stop::Halt;

@@ -3,6 +3,7 @@
 //! A sheet that is held weakly swings into place. Along a straight line that stretches it by half the angle's square,
 //! and a stiff membrane allows tiny steps only; turned exactly it costs nothing.
 
+use crate::objective::norm_squared;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Smallest over largest determinant-like measure of the inertia below which points are on a line.
@@ -36,6 +37,11 @@ impl<'a> Motion<'a> {
         let turn = if fixed { inertia.inverse() * spin } else { DVec3::ZERO };
         let rest = x.iter().zip(direction).map(|(p, d)| *d - shift - turn.cross(*p - centre)).collect();
         Self { x, centre, shift, turn, rest }
+    }
+
+    /// Root mean square of what the rigid motion leaves, mm.
+    pub(crate) fn rest_rms_mm(&self) -> f64 {
+        (norm_squared(&self.rest) / self.rest.len().max(1) as f64).sqrt()
     }
 
     /// Positions after this share of the motion; to first order `x + share · direction`.

@@ -2,8 +2,8 @@
 
 use crate::testing::folded_strip;
 use crate::{
-    Anchor, FoldError, Goal, Halt, Level, NewtonOptions, Pyramid, RelaxOptions, Session, SheetMaterial,
-    SheetPoint, Solver, fold, fold_multilevel, upright,
+    Anchor, Between, FoldError, Goal, Halt, Level, NewtonOptions, Pyramid, RelaxOptions, Session,
+    SheetMaterial, SheetPoint, Solver, fold, fold_multilevel, upright,
 };
 use glam::{DVec2, DVec3};
 use softfold_geometry::{FlatMesh, FoldedSheet};
@@ -54,7 +54,7 @@ fn level(by: usize, fold_rad: f64) -> Level {
 
 fn multilevel(levels: &[Level], fold_rad: f64, options: &NewtonOptions) -> Result<FoldedSheet, FoldError> {
     let Level { mesh, goals } = level(1, fold_rad);
-    let pyramid = Pyramid { levels, carry: &linear };
+    let pyramid = Pyramid { levels, between: None, carry: &linear };
     fold_multilevel(&pyramid, &mesh, &goals, &upright(&mesh), options, &mut |_| ())
 }
 
@@ -82,7 +82,7 @@ fn through_a_pyramid_the_energy_is_that_of_one_level() {
 fn what_a_mesh_begins_with_is_told_without_its_wrinkles() {
     let levels = [level(2, 0.9)];
     let Level { mesh, goals } = level(1, 0.9);
-    let pyramid = Pyramid { levels: &levels, carry: &linear };
+    let pyramid = Pyramid { levels: &levels, between: None, carry: &linear };
     let (mut coarse, mut last, mut begun) = (Vec::new(), 0, None);
     let mut watch = |i: crate::Iteration<'_>| {
         if i.level == 1 {
@@ -98,6 +98,61 @@ fn what_a_mesh_begins_with_is_told_without_its_wrinkles() {
     let (number, energy) = begun.unwrap();
     assert_eq!(number, last);
     assert!(energy < 0.5 * rough, "{energy} of {rough}");
+}
+
+/// The end, and between which meshes another one was asked for, of a pyramid that has it and one that goes without.
+fn with_between(bys: [usize; 2], near_mm: f64, between: Option<&Level>) -> (FoldedSheet, Vec<usize>) {
+    let levels = bys.map(|by| level(by, 0.9));
+    let Level { mesh, goals } = level(1, 0.9);
+    let asked = std::cell::RefCell::new(Vec::new());
+    let ask = |k: usize| {
+        asked.borrow_mut().push(k);
+        between
+    };
+    let pyramid = Pyramid { levels: &levels, between: Some(Between { mesh: &ask, near_mm }), carry: &linear };
+    let options = NewtonOptions::default();
+    let sheet = fold_multilevel(&pyramid, &mesh, &goals, &upright(&mesh), &options, &mut |_| ()).unwrap();
+    (sheet, asked.take())
+}
+
+/// The coarsest mesh knows of no error; the one after it is 24 mm, mean edge, and tells what is left to 6 mm.
+#[test]
+fn a_mesh_between_is_folded_where_the_prediction_asks_for_it_and_not_where_it_does_not() {
+    let middle = level(2, 0.9);
+    let vertices =
+        |sheet: &FoldedSheet| -> Vec<u32> { sheet.solve.levels.iter().map(|l| l.vertices).collect() };
+    let (without, asked) = with_between([8, 4], 1e3, Some(&middle));
+    assert_eq!((vertices(&without), asked), (vec![35, 117, 1617], vec![]));
+    let (with, asked) = with_between([8, 4], 1e-3, Some(&middle));
+    assert_eq!((vertices(&with), asked), (vec![35, 117, 425, 1617], vec![2]));
+    let (none, asked) = with_between([8, 4], 1e-3, None);
+    assert_eq!((none, asked), (without.clone(), vec![2]));
+    let (a, b) = (with.solve, without.solve);
+    assert!(a.converged && (a.energy / b.energy - 1.0).abs() < 1e-6, "{a:?} {b:?}");
+    assert_eq!(a.levels.iter().map(|l| l.iterations).sum::<u32>(), a.iterations);
+}
+
+/// It is on the safe side, and not by an order of magnitude.
+#[test]
+fn the_prediction_is_of_the_size_of_the_truth() {
+    let truth = one_level(0.9).positions;
+    for bys in [[8, 4], [4, 2]] {
+        let levels = bys.map(|by| level(by, 0.9));
+        let Level { mesh, goals } = level(1, 0.9);
+        let mut begun = Vec::new();
+        let mut watch = |i: crate::Iteration<'_>| {
+            if i.level == 0 && begun.is_empty() {
+                begun = i.positions.to_vec();
+            }
+        };
+        let pyramid = Pyramid { levels: &levels, between: None, carry: &linear };
+        let options = NewtonOptions::default();
+        fold_multilevel(&pyramid, &mesh, &goals, &upright(&mesh), &options, &mut watch).unwrap();
+        let way: Vec<DVec3> = truth.iter().zip(&begun).map(|(to, from)| *to - *from).collect();
+        let off_mm = crate::motion::Motion::new(&begun, &way).rest_rms_mm();
+        let asks = |near_mm: f64| !with_between(bys, near_mm, None).1.is_empty();
+        assert!(asks(0.8 * off_mm) && !asks(8.0 * off_mm), "{bys:?}: {off_mm} mm");
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::goals::goals;
 use crate::project::{line_of_entry, line_of_header};
 use crate::{Loaded, RunError, pyramid};
-use softfold_fold::{FoldError, Goal, Iteration, Part, Pyramid, Scales, Solver, address, schedule};
+use softfold_fold::{FoldError, Goal, Iteration, Part, Scales, Solver, address, schedule};
 use softfold_geometry::{CreaseId, CreasePattern, DVec3, FlatMesh, FoldedSheet};
 use std::collections::BTreeMap;
 
@@ -125,8 +125,9 @@ impl Run<'_> {
         let mut watch = |i: Iteration<'_>| (self.watch)(name, i);
         let sheet = match solver {
             Solver::Newton(options) if !warm => {
-                let levels = pyramid::levels(self.loaded, self.pattern, mesh.vertices.len(), share);
-                let pyramid = Pyramid { levels: &levels, carry: &softfold_mesh::transfer };
+                let meshes = pyramid::Meshes::new(self.loaded, self.pattern, mesh, share);
+                let between = |k: usize| meshes.between(k);
+                let pyramid = meshes.pyramid(&between);
                 softfold_fold::fold_multilevel(&pyramid, mesh, goals, &self.x, &options, &mut watch)
             }
             solver => softfold_fold::fold(mesh, goals, &self.x, &solver, &mut watch),

@@ -1,14 +1,18 @@
 //! What is folded: the arc, the S and the sculpture, each on meshes of several sizes of the same sheet.
 
-use softfold_fold::{Goal, Level, SheetMaterial, upright};
+use softfold_fold::{Between, Goal, Level, Pyramid, SheetMaterial, upright};
 use softfold_geometry::{Crease, CreaseId, CreasePattern, DVec2, DVec3, FlatMesh, PlanarCurve, Role, Source};
 use softfold_mesh::{MeshOptions, mesh};
 use softfold_soften::{Along, CreaseSoftness, Segments, soften};
+use std::cell::OnceCell;
 use std::f64::consts::{PI, TAU};
 
 /// Vertices with the strips per band that go with them.
-pub(crate) const SIZES: [(usize, u32); 6] =
-    [(600, 2), (2_000, 4), (10_000, 6), (22_000, 8), (50_000, 12), (200_000, 16)];
+pub(crate) const SIZES: [(usize, u32); 5] = [(600, 2), (2_000, 4), (10_000, 6), (50_000, 12), (200_000, 16)];
+/// A mesh between each of them and the one before, which is made where the pyramid asks for it.
+const BETWEEN: [(usize, u32); 5] = [(300, 1), (1_100, 3), (4_500, 5), (22_000, 8), (100_000, 14)];
+/// Shapes this near are the same.
+pub(crate) const NEAR_MM: f64 = 1.0;
 /// Tries end when the vertices differ from the number asked for by no more than this share; else the nearest counts. Fold
 /// lines set a least number, which the coarsest mesh of the S comes near to.
 const NEAR: f64 = 0.03;
@@ -20,7 +24,7 @@ const POINTS: usize = 400;
 /// A sheet to fold: its own mesh, and coarser ones.
 pub(crate) struct Case {
     pub(crate) name: String,
-    pub(crate) coarse: Vec<Level>,
+    coarse: Coarse,
     pub(crate) mesh: FlatMesh,
     pub(crate) goals: Vec<Box<dyn Goal>>,
     pub(crate) start: Vec<DVec3>,
@@ -28,7 +32,33 @@ pub(crate) struct Case {
     pub(crate) elastic: Option<SheetMaterial>,
 }
 
+/// Coarser meshes of a sheet.
+enum Coarse {
+    Drawn { levels: Vec<Level>, sheet: Sheet, between: [OnceCell<Level>; SIZES.len()] },
+    Project(softfold::pyramid::Meshes<'static>),
+}
+
+impl Case {
+    /// Gives `fold` the pyramid of the sheet.
+    ///
+    /// Meshes are made before the first fold or in it, and then kept.
+    pub(crate) fn with_pyramid<T>(&self, fold: impl FnOnce(&Pyramid<'_>) -> T) -> T {
+        match &self.coarse {
+            Coarse::Drawn { levels, sheet, between } => {
+                let mesh = |k: usize| Some(between[k].get_or_init(|| sheet.level(BETWEEN[k])));
+                let between = Some(Between { mesh: &mesh, near_mm: NEAR_MM });
+                fold(&Pyramid { levels, between, carry: &softfold_mesh::transfer })
+            }
+            Coarse::Project(meshes) => {
+                let between = |k: usize| meshes.between(k);
+                fold(&meshes.pyramid(&between))
+            }
+        }
+    }
+}
+
 /// A drawn sheet with its softness: radius in mm, fold angles in degrees.
+#[derive(Clone)]
 pub(crate) struct Sheet {
     pub(crate) name: &'static str,
     outline: PlanarCurve,
@@ -133,14 +163,17 @@ impl Sheet {
         nearest.expect("a mesh")
     }
 
+    fn level(&self, (vertices, segments): (usize, u32)) -> Level {
+        let mesh = self.mesh(vertices, segments);
+        Level { goals: elastic().goals(&mesh), mesh }
+    }
+
     /// The sheet on a mesh of `SIZES[size]`, with all smaller ones.
     pub(crate) fn case(&self, size: usize) -> Case {
-        let level = |&(vertices, segments): &(usize, u32)| {
-            let mesh = self.mesh(vertices, segments);
-            Level { goals: elastic().goals(&mesh), mesh }
-        };
-        let coarse = SIZES[..size].iter().map(level).collect();
-        let Level { mesh, goals } = level(&SIZES[size]);
+        let levels = SIZES[..size].iter().map(|&size| self.level(size)).collect();
+        let between = std::array::from_fn(|_| OnceCell::new());
+        let coarse = Coarse::Drawn { levels, sheet: self.clone(), between };
+        let Level { mesh, goals } = self.level(SIZES[size]);
         let start = mesh.vertices.iter().map(|p| p.extend(0.0)).collect();
         Case {
             name: format!("{} {}", self.name, SIZES[size].0),
@@ -166,13 +199,15 @@ fn elastic() -> SheetMaterial {
 /// The demonstration: the mesh, goals and pyramid that `softfold run` has.
 pub(crate) fn sculpture() -> Case {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/sculpture/project.toml");
-    let loaded = softfold::Loaded::read(path.as_ref()).expect("the project");
+    // Lives as long as the process: the pyramid borrows both.
+    let loaded: &'static softfold::Loaded =
+        Box::leak(Box::new(softfold::Loaded::read(path.as_ref()).expect("the project")));
     let results =
-        softfold::run(&loaded, softfold::Stage::Mesh, &mut softfold::progress::Quiet).expect("a mesh");
-    let pattern = results.pattern.expect("a pattern");
+        softfold::run(loaded, softfold::Stage::Mesh, &mut softfold::progress::Quiet).expect("a mesh");
+    let pattern: &'static CreasePattern = Box::leak(Box::new(results.pattern.expect("a pattern")));
     let mesh = results.mesh.expect("a mesh").meshed.mesh;
-    let goals = softfold::goals::goals(&loaded, &mesh, &pattern).expect("goals");
-    let coarse = softfold::pyramid::levels(&loaded, &pattern, mesh.vertices.len(), &|_| 1.0);
+    let goals = softfold::goals::goals(loaded, &mesh, pattern).expect("goals");
+    let coarse = Coarse::Project(softfold::pyramid::Meshes::new(loaded, pattern, &mesh, &|_| 1.0));
     let start = upright(&mesh);
     Case { name: "sculpture".to_owned(), coarse, mesh, goals, start, elastic: None }
 }
