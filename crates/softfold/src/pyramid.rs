@@ -136,3 +136,26 @@ impl Recipe {
         softness
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Stage, progress::Quiet, run};
+
+    #[test]
+    fn a_mesh_between_is_made_once_and_lies_between() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/sculpture/project.toml");
+        let loaded = Loaded::read(path.as_ref()).unwrap();
+        let results = run(&loaded, Stage::Mesh, &mut Quiet).unwrap();
+        let (pattern, own) = (results.pattern.unwrap(), results.mesh.unwrap().meshed.mesh);
+        let meshes = Meshes::new(&loaded, &pattern, &own, &|_| 1.0);
+        let coarse: Vec<usize> = meshes.levels.iter().map(|l| l.mesh.vertices.len()).collect();
+        assert_eq!(meshes.recipes.len(), coarse.len() + 1);
+        let (k, last) = (coarse.len(), *coarse.last().unwrap());
+        let between = meshes.between(k).unwrap();
+        let vertices = between.mesh.vertices.len();
+        assert!(last < vertices && vertices < own.vertices.len(), "{last} {vertices} {}", own.vertices.len());
+        assert!(std::ptr::eq(between, meshes.between(k).unwrap()));
+        assert!(meshes.between(0).is_none() && meshes.between(k + 1).is_none());
+    }
+}
