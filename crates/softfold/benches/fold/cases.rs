@@ -34,7 +34,7 @@ pub(crate) struct Case {
 
 /// Coarser meshes of a sheet.
 enum Coarse {
-    Drawn { levels: Vec<Level>, sheet: Sheet, between: [OnceCell<Level>; SIZES.len()] },
+    Drawn { levels: Vec<Level>, sheet: Box<Sheet>, between: Vec<OnceCell<Level>> },
     Project(softfold::pyramid::Meshes<'static>),
 }
 
@@ -171,8 +171,8 @@ impl Sheet {
     /// The sheet on a mesh of `SIZES[size]`, with all smaller ones.
     pub(crate) fn case(&self, size: usize) -> Case {
         let levels = SIZES[..size].iter().map(|&size| self.level(size)).collect();
-        let between = std::array::from_fn(|_| OnceCell::new());
-        let coarse = Coarse::Drawn { levels, sheet: self.clone(), between };
+        let between = SIZES.iter().map(|_| OnceCell::new()).collect();
+        let coarse = Coarse::Drawn { levels, sheet: Box::new(self.clone()), between };
         let Level { mesh, goals } = self.level(SIZES[size]);
         let start = mesh.vertices.iter().map(|p| p.extend(0.0)).collect();
         Case {
