@@ -16,7 +16,7 @@ mod readers;
 use facts::{assert_near, number, product, solid_volume};
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// What every run leaves behind: a name a line, `parts/*.ENDING` for one file of that ending per part.
@@ -353,4 +353,51 @@ fn ezdxf_finds_the_drawings_clean() {
             assert!(drawn["open"] == 0 && number(&drawn["closed"]) > 0.0, "{name}: layer {layer}: {drawn}");
         }
     }
+}
+
+/// The distance of the folded mesh from the exported face, measured once more from the files, is what the report tells, within
+/// the chord of the triangles that stand for the face.
+#[test]
+fn comparing_the_folded_mesh_with_the_step_file_gives_the_reported_deviation() {
+    const CHORD_MM: f64 = 0.05;
+    let run = sculpture();
+    let out = common::fresh("sculpture-compare");
+    let [folder, step] = [run.folder.clone(), run.folder.join("sheet.step")];
+    let arguments = [Path::new("compare"), &folder, &step, Path::new("--out"), &out];
+    let said = common::softfold(&arguments);
+    assert_eq!(said.code, Some(0), "{}{}", said.stdout, said.stderr);
+    let text = std::fs::read_to_string(out.join("compare.json")).expect("compare.json");
+    let record: Value = serde_json::from_str(&text).expect("JSON");
+    assert!(record["alignment"].is_null(), "both lie where the run put them");
+    let distance = |key: &str| number(&record["distance"][key]);
+    assert_eq!(distance("points"), run.number("/mesh/vertices"));
+    assert_eq!(number(&record["against"]["chord_mm"]), CHORD_MM);
+    let told = run.number("/surface/max_deviation_mm");
+    assert!((distance("max_mm") - told).abs() <= CHORD_MM, "{} {told}", distance("max_mm"));
+    assert!(distance("rms_mm") <= run.number("/surface/rms_deviation_mm") + CHORD_MM / 2.0);
+    let Some(facts) = readers::ask("figures.py", &[out.join("compare.ply")]) else { return };
+    let read = &facts[0]["figures"]["distance"];
+    let largest = number(&read["max"]).max(-number(&read["min"]));
+    assert!((largest - distance("max_mm")).abs() < 1e-6, "{read}");
+}
+
+#[test]
+fn the_surface_s_figures_are_read_place_by_place() {
+    let run = sculpture();
+    let Some(facts) = readers::ask("figures.py", &[run.folder.join("surface.ply")]) else { return };
+    let figure = |name: &str, end: &str| number(&facts[0]["figures"][name][end]);
+    let shape = |key: &str| run.number(&format!("/surface/shape/{key}"));
+    assert_eq!(facts[0]["colours"], true);
+    // The report looks at these and at other places; the file has single precision.
+    let radius = figure("radius", "min") / shape("min_radius_mm");
+    assert!((1.0 - 1e-6..1.02).contains(&radius), "{radius}");
+    assert!((figure("radius_lower", "min") / shape("lower_skin_radius_mm") - 1.0).abs() < 1e-6);
+    assert!(figure("strain_max", "max") <= shape("principal_strain_max") + 1e-7);
+    assert!(figure("strain_min", "min") >= shape("principal_strain_min") - 1e-7);
+    assert!(figure("double_bend", "min") >= 0.0 && figure("double_bend", "max") <= 1.0 + 1e-6);
+    for (name, read) in facts[0]["figures"].as_object().unwrap() {
+        assert_eq!(read["finite"], true, "{name}");
+    }
+    let shares = ["plane_share", "developable_share", "doubly_bent_share"].map(shape);
+    assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-9 && shape("rulings") > 20.0, "{shares:?}");
 }

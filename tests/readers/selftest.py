@@ -26,6 +26,7 @@ from OCP.TopExp import TopExp_Explorer
 from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
 import dxf
+import figures
 import mesh
 import step
 
@@ -137,6 +138,27 @@ def check_mesh(folder):
     expect("3mf: junk is an error", "error" in mesh.facts(str(folder / "junk.3mf")))
 
 
+def check_figures(folder):
+    def write(name, values, faces="3 0 1 2\n"):
+        corners = [(0, 0, 0), (4, 0, 0), (0, 3, 0)]
+        lines = "".join(f"{x} {y} {z} {r} 0 0 {f}\n" for (x, y, z), r, f in zip(corners, (255, 9, 0), values))
+        (folder / name).write_text(
+            "ply\nformat ascii 1.0\nelement vertex 3\n"
+            + "".join(f"property float {axis}\n" for axis in "xyz")
+            + "".join(f"property uchar {colour}\n" for colour in ("red", "green", "blue"))
+            + f"property float distance\nelement face 1\nproperty list uchar uint vertex_indices\nend_header\n{lines}{faces}")
+        return figures.facts(str(folder / name))
+
+    good = write("good.ply", (-0.5, 0.25, 1))
+    distance = good["figures"]["distance"]
+    expect("figures: ends", (distance["min"], distance["max"], distance["mean"]) == (-0.5, 1.0, 0.25))
+    expect("figures: nothing else is a figure", list(good["figures"]) == ["distance"])
+    expect("figures: mesh and colours", good["colours"] and good["vertices"] == 3 and close(good["area_mm2"], 6.0))
+    expect("figures: what is no number is told", not write("nan.ply", (0, "nan", 1))["figures"]["distance"]["finite"])
+    (folder / "junk.ply").write_text("ply\nnothing")
+    expect("figures: junk is an error", "error" in figures.facts(str(folder / "junk.ply")))
+
+
 def write_dxf(path, contours, unit=4):
     document = ezdxf.new("R2000")
     document.header["$INSUNITS"] = unit
@@ -179,7 +201,7 @@ if __name__ == "__main__":
 
     Message.DefaultMessenger_s().ChangePrinters().Clear()
     with tempfile.TemporaryDirectory() as name:
-        for check in (check_step, check_mesh, check_dxf):
+        for check in (check_step, check_mesh, check_figures, check_dxf):
             check(pathlib.Path(name))
     json.dump({"checks": len(CHECKS), "failed": FAILED}, sys.stdout, indent=1)
     sys.exit(1 if FAILED else 0)

@@ -1,6 +1,6 @@
 //! Rigid motions.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 /// A rigid motion `x ↦ R x + t`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +26,12 @@ impl RigidTransform {
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
+    /// The rotation's unit axis and its angle from 0 to π.
+    pub fn axis_angle(&self) -> (DVec3, f64) {
+        let (axis, angle) = DQuat::from_mat3(&self.rotation).normalize().to_axis_angle();
+        if angle > std::f64::consts::PI { (-axis, std::f64::consts::TAU - angle) } else { (axis, angle) }
+    }
+
     /// The rotation's rows.
     pub fn rows(&self) -> [[f64; 3]; 3] {
         self.rotation.transpose().to_cols_array_2d()
@@ -35,6 +41,17 @@ impl RigidTransform {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn axis_and_angle_are_those_of_the_rotation() {
+        let axis = DVec3::new(1., -2., 3.).normalize();
+        for angle in [1e-6, 0.7, 3.1] {
+            let m =
+                RigidTransform { rotation: DMat3::from_axis_angle(axis, angle), translation: DVec3::ZERO };
+            let (found, about) = m.axis_angle();
+            assert!(found.distance(axis) < 1e-6 && (about - angle).abs() < 1e-9, "{found} {about}");
+        }
+    }
 
     #[test]
     fn inverse_undoes() {

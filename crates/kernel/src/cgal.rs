@@ -5,6 +5,8 @@ use crate::buffers::{BooleanOperation, MeshBuffers, MeshView, tuples};
 use crate::check;
 use crate::error::{KernelError, Library, Result};
 
+pub use crate::nearest::{DistanceTree, Foot};
+
 /// What [`constrained_delaunay`] gives.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Triangulation {

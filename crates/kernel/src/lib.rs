@@ -12,6 +12,7 @@ mod buffers;
 mod check;
 mod error;
 mod mesh_file;
+mod nearest;
 mod ply_file;
 
 pub mod cgal;

@@ -36,6 +36,7 @@ mod write;
 
 pub use dxf::{DxfOptions, DxfVersion, write_dxf};
 pub use error::PatternError;
+pub use fold::folded::read_folded;
 pub use roles::RoleMap;
 pub use write::{WriteOptions, write_cp, write_fold, write_svg};
 

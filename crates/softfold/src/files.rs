@@ -5,6 +5,7 @@ use crate::export::{fold, obj, off, ply, stl, threemf};
 use crate::output::Staging;
 use crate::pictures::{area_scale, on_stock, pictures, strip};
 use crate::report::{html, json, mesh_plan::mesh_svg};
+use crate::shape_pictures::surface_ply;
 use crate::stages::{Loaded, Results};
 use crate::{RunError, record};
 use softfold_geometry::{DVec2, DVec3, FlatMesh, PlanarCurve, SoftPattern, TriMesh};
@@ -189,6 +190,8 @@ impl Writer<'_> {
                 "the quad cage, for subdivision modelling",
                 obj::cage(&self.name, &cage.positions, &cage.quads),
             )?;
+            let shown = surface_ply(&self.name, &s.shape);
+            self.add("surface.ply", "the surface with curvatures, radii, strains and rulings", shown)?;
             self.step("sheet.step", "the folded sheet's surface", "sheet", &s.face, SHEET_COLOUR)?;
         }
         match &results.board {

@@ -3,6 +3,7 @@
 //! [`project`] says what is asked for, [`stages`] runs the stages in their order, [`record`] turns their results into
 //! the [`report`], [`files`] writes them through [`export`] into a folder that [`output`] swaps in when it is whole.
 
+pub mod compare;
 pub mod crosscheck;
 pub mod diagnose;
 pub mod error;
@@ -18,6 +19,8 @@ pub mod pyramid;
 pub mod record;
 pub mod report;
 pub mod scan;
+pub mod shape;
+pub mod shape_pictures;
 mod softness;
 pub mod stages;
 pub mod starter;

@@ -1,5 +1,6 @@
 //! The program `softfold`.
 use clap::{Args, Parser, Subcommand};
+use softfold::compare::{self, Align, CompareOptions, Points, What};
 use softfold::patterns::{self, WriteOptions};
 use softfold::progress::{Bars, Events, Lines, Progress, Quiet};
 use softfold::project::{Outline, Read, Roles};
@@ -29,7 +30,8 @@ struct Cli {
     command: Command,
 }
 
-const EXIT_STATUS: &str = "Exit status: 0 done, 1 the input is at fault, 2 wrong command line, 3 a verdict failed (with --strict), \
+const EXIT_STATUS: &str = "Exit status: 0 done, 1 the input is at fault, 2 wrong command line, 3 a verdict failed (with --strict; \
+                           with --limit-mm for compare), \
                            70 a defect of softfold, 130 interrupted.";
 
 #[derive(Subcommand)]
@@ -57,6 +59,8 @@ enum Command {
     Crosscheck(Check),
     /// Read a scanned surface (ply, obj, stl, off), clean it, make it smaller, and write it
     Scan(Scan),
+    /// Say how far a shape is from another: meshes and scans (ply, obj, stl, off), step and fold files, folders of runs
+    Compare(Compare),
     /// Write a commented project to begin with into a new folder
     New {
         /// The folder
@@ -168,6 +172,57 @@ struct Scan {
 }
 
 #[derive(Args)]
+struct Compare {
+    /// The shape whose points are measured
+    measured: PathBuf,
+    /// The shape whose surface they are measured against
+    against: PathBuf,
+    /// Which result of a folder that a run wrote
+    #[arg(long, default_value = "mesh")]
+    what: What,
+    /// Whether the first is moved onto the second
+    #[arg(long, default_value = "auto")]
+    align: Align,
+    /// Where the first begins: "x y z rx ry rz" (mm; degrees about x, then y, then z) or a matrix by rows [default: found]
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true)]
+    pose: Option<String>,
+    /// Millimetres per unit of meshes, which name none
+    #[arg(long)]
+    unit_mm: Option<f64>,
+    /// Chord error of the triangles that stand for the faces of step files, mm
+    #[arg(long, default_value_t = CompareOptions::CHORD_MM)]
+    chord_mm: f64,
+    /// Measure the vertices, or so many points spread evenly over the area [default: by the size of the triangles]
+    #[arg(long, value_name = "vertices|COUNT", value_parser = points)]
+    points: Option<Points>,
+    /// Measure the second against the first too
+    #[arg(long)]
+    both: bool,
+    /// Leave out points farther off than this, mm
+    #[arg(long)]
+    leave_out_mm: Option<f64>,
+    /// End with status 3 if a distance is larger than this, mm
+    #[arg(long)]
+    limit_mm: Option<f64>,
+    /// Folder for compare.json, the coloured compare.ply, and compare.html
+    #[arg(long)]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    voice: Voice,
+}
+
+/// Reads the value of `--points`.
+fn points(text: &str) -> Result<Points, String> {
+    /// Fewer are no picture of a surface, more take minutes.
+    const COUNTS: std::ops::RangeInclusive<usize> = 100..=10_000_000;
+    match text.parse() {
+        _ if text == "vertices" => Ok(Points::Vertices),
+        Ok(count) if COUNTS.contains(&count) => Ok(Points::Spread(count)),
+        _ => Err(format!("give \"vertices\" or a count from {} to {}", COUNTS.start(), COUNTS.end())),
+    }
+}
+
+#[derive(Args)]
 struct Job {
     /// The project file
     project: PathBuf,
@@ -228,6 +283,7 @@ fn execute(command: Command) -> Result<u8, RunError> {
         Command::Soften(job) => soften(&job),
         Command::Crosscheck(job) => crosscheck(&job),
         Command::Scan(job) => scan(&job),
+        Command::Compare(job) => compare(&job),
         Command::New { folder } => {
             starter::write(&folder)?;
             say!(
@@ -419,4 +475,30 @@ fn scan(job: &Scan) -> Result<u8, RunError> {
         say!("{}\nwrote {}", scan.words(), job.out.display());
     }
     Ok(0)
+}
+
+fn compare(job: &Compare) -> Result<u8, RunError> {
+    let options = CompareOptions {
+        reading: compare::ReadOptions { what: job.what, unit_mm: job.unit_mm, chord_mm: job.chord_mm },
+        align: job.align,
+        pose: job.pose.as_deref().map(compare::pose).transpose()?,
+        points: job.points.unwrap_or_default(),
+        both: job.both,
+        leave_out_mm: job.leave_out_mm,
+        limit_mm: job.limit_mm,
+    };
+    let compared = compare::compare(&job.measured, &job.against, &options)?;
+    let record = match &job.out {
+        Some(out) => compare::write(&compared, out)?,
+        None => compare::Record::from(&compared),
+    };
+    if job.voice.json {
+        say!("{}", serde_json::json!({ "event": "compared", "compare": record, "out": job.out }));
+    } else if !job.voice.quiet {
+        say!("{}", compared.words());
+        job.out
+            .iter()
+            .for_each(|out| say!("wrote compare.json, compare.ply and compare.html in {}", out.display()));
+    }
+    Ok(if compared.passes() { 0 } else { VERDICT_FAILED })
 }

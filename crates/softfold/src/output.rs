@@ -13,7 +13,11 @@ static STAGING: Mutex<Option<PathBuf>> = Mutex::new(None);
 pub struct Staging {
     folder: PathBuf,
     target: PathBuf,
+    record: &'static str,
 }
+
+/// The file of a run that lists its files.
+const REPORT: &str = "report.json";
 
 impl Staging {
     /// An empty folder beside `target`, whose parents are made if need be.
@@ -21,6 +25,14 @@ impl Staging {
     /// # Errors
     /// A place that cannot be written, or a target that is a file.
     pub fn beside(target: &Path) -> Result<Self, RunError> {
+        Self::recorded(target, REPORT)
+    }
+
+    /// The same for files that another record than the report lists, under its key `files`.
+    ///
+    /// # Errors
+    /// As [`Staging::beside`].
+    pub fn recorded(target: &Path, record: &'static str) -> Result<Self, RunError> {
         if target.exists() && !target.is_dir() {
             return Err(RunError::in_file(target, None, "is a file; give --out a folder"));
         }
@@ -29,7 +41,7 @@ impl Staging {
         let folder = parent.join(format!(".{name}.part-{}", std::process::id()));
         fs::create_dir_all(&folder).map_err(|e| unwritable(&folder, &e))?;
         remember(Some(folder.clone()));
-        Ok(Self { folder, target: target.to_owned() })
+        Ok(Self { folder, target: target.to_owned(), record })
     }
 
     /// Finds out before a long run whether its results can be written, and leaves nothing behind.
@@ -38,7 +50,7 @@ impl Staging {
     /// As [`Staging::beside`]; a file of the user's where one of `names` would be written.
     pub fn rehearse(target: &Path, names: &[&str]) -> Result<(), RunError> {
         Self::beside(target)?;
-        let ours = earlier_files(target);
+        let ours = earlier_files(target, REPORT);
         match names.iter().find(|n| !ours.contains(**n) && target.join(n).symlink_metadata().is_ok()) {
             Some(name) => Err(not_ours(&target.join(name))),
             None => Ok(()),
@@ -74,7 +86,7 @@ impl Staging {
     /// A place that cannot be written.
     pub fn publish(self) -> Result<(), RunError> {
         let new = names(&self.folder);
-        let old = earlier_files(&self.target);
+        let old = earlier_files(&self.target, self.record);
         let mut swaps = Swaps { backup: self.folder.join(".replaced"), done: Vec::new() };
         for name in &new {
             let place = self.target.join(name);
@@ -181,11 +193,16 @@ fn names(folder: &Path) -> BTreeSet<String> {
     found
 }
 
-/// Files that the report in a folder says an earlier run made; only plain names below the folder count.
-fn earlier_files(folder: &Path) -> BTreeSet<String> {
-    let text = fs::read_to_string(folder.join("report.json")).unwrap_or_default();
-    let report = crate::report::json::Report::from_json(&text);
-    let files = report.map(|r| r.files).unwrap_or_default();
+/// All that matters here of a report or another record of files.
+#[derive(serde::Deserialize)]
+struct Record {
+    files: Vec<crate::report::json::File>,
+}
+
+/// Files that the record in a folder says an earlier run made; only plain names below the folder count.
+fn earlier_files(folder: &Path, record: &str) -> BTreeSet<String> {
+    let text = fs::read_to_string(folder.join(record)).unwrap_or_default();
+    let files = serde_json::from_str::<Record>(&text).map(|r| r.files).unwrap_or_default();
     files.into_iter().map(|f| f.path).filter(|p| is_inside(p)).collect()
 }
 

@@ -6,6 +6,7 @@ use crate::report::picture::{
     Colours, INK, PLAIN, Scale, Scene, SceneLine, SceneMesh, View, fitting_size, render,
 };
 use crate::report::plans::{self, PlanBoard, PlanPart, StockSheet};
+use crate::shape_pictures;
 use crate::stages::{AnalyseResult, FoldResult, Results};
 use crate::states::State;
 use softfold_fold::Verdict;
@@ -33,6 +34,10 @@ pub fn pictures(results: &Results) -> Result<Pictures, RunError> {
     }
     if let (Some(fold), Some(analyse)) = (&results.fold, &results.analyse) {
         pictures.views = views(fold, analyse)?;
+    }
+    if let (Some(soft), Some(s)) = (&results.soft, &results.surface) {
+        pictures.surface = shape_pictures::pictures(&s.shape, &soft.loops)?;
+        pictures.rulings_svg = shape_pictures::rulings_svg(&s.shape, soft);
     }
     if let (Some(rest), Some(fold)) = (&results.stability, &results.fold) {
         let plan: Vec<DVec2> =

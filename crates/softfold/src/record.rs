@@ -1,6 +1,7 @@
 //! From results to the report: figures as they are, and verdicts against the project's limits.
 
 use crate::report::json;
+use crate::shape::radius_limit_mm;
 use crate::stages::{AnalyseResult, FoldResult, Loaded, MeshResult, Results, SurfaceResult};
 use crate::states::{SpringBack, State};
 use softfold_fold::Clearance;
@@ -217,6 +218,7 @@ fn surface(s: &SurfaceResult) -> json::Surface {
         max_deviation_at: pair(surface.deviation.at),
         face_distance_mm: s.face_distance_mm,
         valid: s.faults.is_empty(),
+        shape: Some(s.shape.figures(&s.analysis)),
     }
 }
 
@@ -400,10 +402,7 @@ fn surface_verdicts(loaded: &Loaded, s: &SurfaceResult) -> [json::Verdict; 2] {
 }
 
 fn radius_verdict(loaded: &Loaded, b: &Board) -> Option<json::Verdict> {
-    let material = &loaded.project.material;
-    // Outer fibre strain t/(2 r_mid) = t/(2 (r_skin + t/2)) at the inner skin.
-    let by_strain = material.strain_limit.map(|e| 0.5 * b.thickness_mm * (1.0 / e - 1.0));
-    let limit = [material.min_radius_mm, by_strain].into_iter().flatten().reduce(f64::max)?;
+    let limit = radius_limit_mm(&loaded.project)?;
     let tightest = b.min_radius_mm.iter().min_by(|x, y| x.radius_mm.total_cmp(&y.radius_mm))?;
     let pass = tightest.radius_mm >= limit;
     let place = format!("({:.0}, {:.0}) mm on the sheet", tightest.at.x, tightest.at.y);

@@ -3,6 +3,7 @@
 use crate::progress::Progress;
 use crate::project::line_of;
 use crate::project::{self, Project};
+use crate::shape::{self, SheetShape};
 use crate::states::{self, Beginning, SpringBack, State};
 use crate::{RunError, patterns, softness};
 use softfold_fold::{
@@ -128,6 +129,8 @@ pub struct AnalyseResult {
 pub struct SurfaceResult {
     /// Surface and cage.
     pub fitted: Fitted,
+    /// Its shape, place by place.
+    pub shape: SheetShape,
     /// Figures of the surface.
     pub analysis: SurfaceAnalysis,
     /// The trimmed face.
@@ -461,7 +464,9 @@ fn surface(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) 
     let face_distance_mm = face_distance_mm(&face_mesh, sheet)?;
     let d = fitted.surface.deviation;
     let word = format!("deviation {:.3} mm, {}", d.max_mm, fitted.why);
-    results.surface = Some(SurfaceResult { fitted, analysis, face, faults, face_mesh, face_distance_mm });
+    let shape = shape::of(&loaded.project, &sheet.mesh, &fitted.surface, fitted.spacing_mm);
+    results.surface =
+        Some(SurfaceResult { fitted, shape, analysis, face, faults, face_mesh, face_distance_mm });
     Ok(word)
 }
 

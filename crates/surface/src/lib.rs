@@ -7,13 +7,18 @@
 //! FoldedSheet + trim ── fit ──► Fitted { SheetSurface, Cage } ── analyse ──► SurfaceAnalysis
 //! ```
 //! Inside: `samples` lists what to fit, `lattice` lays the cage, `system` holds the sparse normal equations, `bending`
-//! their smoothing term, `fitting` solves one lattice, `search` finds its spacing, `scale` reads the mesh's own.
+//! their smoothing term, `fitting` solves one lattice, `search` finds its spacing, `scale` reads the mesh's own. Figures
+//! of a finished surface: `analyse` its extremes, `local` its shape at one point, `rulings` its straight lines, `bends` how
+//! much of it bends which way; the last three ask nothing but a function of (u, v).
 
 mod analyse;
 mod bending;
+mod bends;
 mod error;
 mod fitting;
 mod lattice;
+mod local;
+mod rulings;
 mod samples;
 mod scale;
 mod search;
@@ -25,7 +30,10 @@ mod testing;
 mod tests;
 
 pub use analyse::{SurfaceAnalysis, analyse};
+pub use bends::{BendShares, bend_shares};
 pub use error::SurfaceError;
 pub use lattice::Cage;
+pub use local::LocalShape;
+pub use rulings::{Bend, DOUBLE_BEND, Ruling, RulingOptions, rulings};
 
 pub use search::{Fitted, SurfaceOptions, fit};

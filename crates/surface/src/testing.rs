@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3};
 use softfold_geometry::{
-    CreaseId, EdgeClass, FlatMesh, FoldedSheet, LoopId, PlanarCurve, Site, SolveRecord, VertexId,
+    CreaseId, EdgeClass, FlatMesh, FoldedSheet, LoopId, PlanarCurve, Site, SolveRecord, UniformBicubic,
+    VertexId,
 };
 
 /// Evenly scattered points of the unit square: the additive sequence of the plastic number (the golden ratio's cousin).
@@ -151,5 +152,77 @@ impl BandSheet {
         let w = self.half_width_mm() + self.flank_mm;
         let corners = [(-w, 0.0), (w, 0.0), (w, self.length_mm), (-w, self.length_mm)];
         polygon(corners.map(|c| self.flat(DVec2::from(c))).to_vec())
+    }
+}
+
+/// The surface through `f` at the knots over -20..120 both ways, `spacing_mm` apart.
+pub(crate) fn through(spacing_mm: f64, f: impl Fn(DVec2) -> DVec3) -> UniformBicubic {
+    let n = (140.0 / spacing_mm).round() as usize + 1;
+    let knot = |k: usize| DVec2::splat(-20.0) + spacing_mm * DVec2::new((k / n) as f64, (k % n) as f64);
+    let values: Vec<_> = (0..n * n).map(|k| f(knot(k))).collect();
+    UniformBicubic::interpolating(DVec2::splat(-20.0 - spacing_mm), spacing_mm, [n + 2; 2], &values).unwrap()
+}
+
+/// The left side of a fold along a circular crease with constant fold angle and constant ruling angle: a tangent
+/// developable about a helix (the relations between crease and rulings: Fuchs and Tabachnikov 1999).
+pub(crate) struct Developable {
+    pub(crate) crease_radius_mm: f64,
+    /// Half the fold angle, a: between the osculating plane and the tangent plane.
+    pub(crate) half_fold_rad: f64,
+    /// From the crease's tangent to the ruling.
+    pub(crate) ruling_rad: f64,
+}
+
+impl Developable {
+    /// Flat point at `v` along the ruling at arc length `s`, and the ruling's unit vector. The crease begins at (50, 0) to
+    /// the left of its tangent (1, 0), its centre above.
+    pub(crate) fn flat(&self, s: f64, v: f64) -> (DVec2, DVec2) {
+        let (r, turn) = (self.crease_radius_mm, s / self.crease_radius_mm);
+        let crease = DVec2::new(50.0, r) + r * DVec2::new(turn.sin(), -turn.cos());
+        let ruling = DVec2::from_angle(turn + self.ruling_rad);
+        (crease + v * ruling, ruling)
+    }
+
+    /// Point of the crease in space, and the ruling's unit vector there.
+    pub(crate) fn space(&self, s: f64) -> (DVec3, DVec3) {
+        let (a, b) = (self.half_fold_rad, self.ruling_rad);
+        let geodesic = 1.0 / self.crease_radius_mm;
+        let (curvature, torsion) = (geodesic / a.cos(), geodesic * a.tan() / b.tan());
+        // The helix about z with this curvature and torsion.
+        let c = curvature.hypot(torsion);
+        let (radius, rise) = (curvature / (c * c), torsion / (c * c));
+        let (sin, cos) = (c * s).sin_cos();
+        let point = DVec3::new(radius * cos, radius * sin, rise * c * s);
+        let tangent = c * DVec3::new(-radius * sin, radius * cos, rise);
+        let normal = -DVec3::new(cos, sin, 0.0);
+        let conormal = a.cos() * normal + a.sin() * tangent.cross(normal);
+        (point, b.cos() * tangent + b.sin() * conormal)
+    }
+
+    /// Curvature across the ruling at `v` along it: k₁ = k_g tan a / sin² b at the crease, and inversely as the distance
+    /// from the edge of regression, which is at v = sin b / k_g.
+    pub(crate) fn curvature(&self, v: f64) -> f64 {
+        let (geodesic, sin) = (1.0 / self.crease_radius_mm, self.ruling_rad.sin());
+        let regression = sin / geodesic;
+        geodesic * self.half_fold_rad.tan() / (sin * sin) * regression / (regression - v)
+    }
+
+    /// Where a flat point goes.
+    fn bent(&self, p: DVec2) -> DVec3 {
+        // The ruling through p: turned by `turn`, the crease frame sees p along b.
+        let center = DVec2::new(50.0, self.crease_radius_mm);
+        let q = p - center;
+        // |crease + v ruling − center|² with the ruling at b from the tangent: v² − 2 r sin b v + r² = |q|².
+        let (r, sin) = (self.crease_radius_mm, self.ruling_rad.sin());
+        let v = r * sin - (q.length_squared() - r * r * (1.0 - sin * sin)).sqrt();
+        let (own, _) = self.flat(0.0, v);
+        let turn = (own - center).angle_to(q);
+        let (point, ruling) = self.space(turn * r);
+        point + v * ruling
+    }
+
+    /// The surface over -20..120.
+    pub(crate) fn surface(&self, spacing_mm: f64) -> UniformBicubic {
+        through(spacing_mm, |p| self.bent(p))
     }
 }

@@ -10,8 +10,12 @@ use crate::chore::{Chores, Failure, command, root, target};
 const OLDEST_PYTHON: (u32, u32) = (3, 11);
 
 /// Script, and the endings of the files that it reads.
-const SCRIPTS: [(&str, &[&str]); 3] =
-    [("step.py", &["step"]), ("mesh.py", &["stl", "3mf", "obj", "ply"]), ("dxf.py", &["dxf"])];
+const SCRIPTS: [(&str, &[&str]); 4] = [
+    ("step.py", &["step"]),
+    ("mesh.py", &["stl", "3mf", "obj", "ply"]),
+    ("figures.py", &["ply"]),
+    ("dxf.py", &["dxf"]),
+];
 
 /// Prepares the readers, and reads a folder with them.
 ///

@@ -30,6 +30,7 @@ mod ffi {
         include!("cgal/isotropic_remesh.h");
         include!("cgal/self_intersections.h");
         include!("cgal/distances_to_mesh.h");
+        include!("cgal/distance_tree.h");
         include!("cgal/boolean.h");
         include!("cgal/extrude.h");
         include!("cgal/alpha_wrap.h");
@@ -44,6 +45,9 @@ mod ffi {
         ) -> Result<FlatMesh>;
         fn self_intersections(positions: &[f64], triangles: &[u32]) -> Result<Vec<u32>>;
         fn distances_to_mesh(points: &[f64], positions: &[f64], triangles: &[u32]) -> Result<Vec<f64>>;
+        type DistanceTree;
+        fn distance_tree(positions: &[f64], triangles: &[u32]) -> Result<UniquePtr<DistanceTree>>;
+        fn nearest(self: &DistanceTree, points: &[f64]) -> Result<Vec<u32>>;
         fn boolean(
             a_positions: &[f64],
             a_triangles: &[u32],

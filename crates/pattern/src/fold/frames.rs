@@ -100,6 +100,20 @@ impl<'a> Frames<'a> {
     }
 }
 
+impl<'a> Frames<'a> {
+    /// The wanted frame, else the last whose class is `foldedForm`; none if there is no such frame. The last, because
+    /// animations end where folding ends.
+    pub(super) fn folded(&'a self, wanted: Option<usize>) -> Option<Frame<'a>> {
+        let mut folded = (0..self.own.len()).filter(|&i| self.frame(i).is_class("foldedForm"));
+        wanted.or_else(|| folded.next_back()).filter(|&i| i < self.own.len()).map(|i| self.frame(i))
+    }
+
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.own.len()
+    }
+}
+
 fn frames(count: usize) -> String {
     if count == 1 { "frame 0 alone".to_owned() } else { format!("frames 0 to {}", count - 1) }
 }

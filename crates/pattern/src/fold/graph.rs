@@ -62,6 +62,16 @@ impl Graph {
     }
 }
 
+/// Vertices and faces alone.
+///
+/// # Errors
+/// As [`Graph::read`].
+pub(super) fn faces_in_space(frame: Frame<'_>) -> Result<(Vec<DVec3>, Vec<Vec<usize>>), PatternError> {
+    let vertices = vertices(frame)?;
+    let faces = faces(frame, vertices.len())?;
+    Ok((vertices, faces))
+}
+
 /// A side of a face: the face, and the corner at which the side begins.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {

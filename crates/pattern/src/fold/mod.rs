@@ -8,11 +8,13 @@
 //! | `graph` | vertices, edges and faces, checked |
 //! | `plane` | the plane and the front of a flat sheet |
 //! | `develop` | folded forms laid out flat |
+//! | `folded` | a folded form as the mesh in space that it is |
 //! | `curves` | softfold's keys for exact curves and names |
 //! | `strokes` | edges to strokes |
 
 pub(crate) mod curves;
 mod develop;
+pub(crate) mod folded;
 mod frames;
 mod graph;
 mod json;
@@ -83,7 +85,7 @@ pub(crate) fn strokes(
     let frame = frames.choose(options.frame, issues)?;
     note_strange_keys(frame, issues);
     let graph = Graph::read(frame, issues)?;
-    let unit_mm = unit_mm(frame, options, issues);
+    let unit_mm = unit_mm(frame, options.unit_mm, issues);
     let creator = file.get("file_creator").and_then(serde_json::Value::as_str);
     let placed = place(&graph, frame, creator, unit_mm, issues)?;
     strokes::collect(&graph, frame, &placed, unit_mm, options, issues)
@@ -111,7 +113,7 @@ fn place(
     }
 }
 
-fn unit_mm(frame: Frame<'_>, options: &ReadOptions, issues: &mut Vec<Issue>) -> f64 {
+fn unit_mm(frame: Frame<'_>, given_mm: Option<f64>, issues: &mut Vec<Issue>) -> f64 {
     let entry = frame.entry("frame_unit");
     let unit = frame.text("frame_unit").map(str::trim);
     if let Some((_, mm)) = UNITS_MM.iter().find(|(name, _)| Some(*name) == unit) {
@@ -121,7 +123,7 @@ fn unit_mm(frame: Frame<'_>, options: &ReadOptions, issues: &mut Vec<Issue>) -> 
         let what = format!("the unit \"{}\" is unknown", crate::lines::short(other));
         issues.push(told(Severity::Warning, &entry, what, "use in, pt, m, cm, mm, um or nm"));
     }
-    options.unit_mm.unwrap_or_else(|| {
+    given_mm.unwrap_or_else(|| {
         let what = "no physical size; one unit is taken as 1 mm";
         issues.push(told(Severity::Note, &entry, what, "give frame_unit, or the unit in the project file"));
         1.0

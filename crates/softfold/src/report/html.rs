@@ -1,7 +1,8 @@
 //! `report.html`: one page for the designer, with everything inside it; no scripts, nothing from elsewhere.
 
 use super::json::{
-    Analyse, Board, Crosscheck, Fold, Mesh, Mold, Report, SpringBack, Stability, State, Surface, Verdict,
+    Analyse, Board, Crosscheck, Fold, Mesh, Mold, Report, SpringBack, Stability, State, Surface,
+    SurfaceShape, Verdict,
 };
 use super::page::{Facts, STYLE, drawing, legend, picture, section, table, timed_table};
 use super::picture::Legend;
@@ -29,6 +30,10 @@ pub struct Pictures {
     pub soft_pattern_svg: String,
     /// The folded sheet and the board.
     pub views: Vec<Picture>,
+    /// What the surface does: radii, curvature, strain, rulings.
+    pub surface: Vec<Picture>,
+    /// Its rulings over the flat pattern.
+    pub rulings_svg: String,
     /// How the board stands.
     pub stability_svg: String,
     /// The mold's parts from above.
@@ -44,7 +49,8 @@ pub fn html(report: &Report, pictures: &Pictures) -> String {
         header(report),
         key_figures(report),
         verdicts(&report.verdicts),
-        views(&pictures.views),
+        section("folded", "Folded", &gallery(&pictures.views)),
+        surface(report, pictures),
         patterns(report, pictures),
         issues(report),
         figures(report),
@@ -131,12 +137,52 @@ fn verdicts(all: &[Verdict]) -> String {
     section("verdicts", "Checks", &list)
 }
 
-fn views(all: &[Picture]) -> String {
+/// What the surface does, beside its rulings over the flat sheet.
+fn surface(report: &Report, pictures: &Pictures) -> String {
+    let Some(shape) = report.surface.as_ref().and_then(|s| s.shape.as_ref()) else { return String::new() };
+    let plan = drawing(
+        &pictures.rulings_svg,
+        "Rulings over the flat sheet",
+        "Lines along which the sheet is straight; the darker, the less it bends along them. None where it is plane or bends \
+         both ways.",
+    );
+    let beside = format!("<div class=\"gallery two\">\n{plan}{}</div>\n", shape_facts(shape));
+    section("surface", "Surface", &(gallery(&pictures.surface) + &beside))
+}
+
+fn shape_facts(s: &SurfaceShape) -> String {
+    let with_place = |value: String, at: &[f64; 2]| format!("{value} at {}", place(at));
+    Facts::default()
+        .row("Smallest radius", with_place(maybe(s.min_radius_mm, "mm"), &s.min_radius_at))
+        .row("Lower skin", with_place(maybe(s.lower_skin_radius_mm, "mm"), &s.lower_skin_radius_at))
+        .row("Upper skin", with_place(maybe(s.upper_skin_radius_mm, "mm"), &s.upper_skin_radius_at))
+        .row("Limit of the material", maybe(s.radius_limit_mm, "mm"))
+        .row(
+            "Gaussian curvature, largest",
+            with_place(with_unit(1e6 * s.gaussian_curvature_per_mm2, "1/m²"), &s.gaussian_curvature_at),
+        )
+        .row("Strain, smallest", with_place(percent(s.principal_strain_min), &s.principal_strain_min_at))
+        .row("Strain, largest", with_place(percent(s.principal_strain_max), &s.principal_strain_max_at))
+        .row("Plane", percent_size(s.plane_share))
+        .row("Bends one way", percent_size(s.developable_share))
+        .row("Bends both ways", percent_size(s.doubly_bent_share))
+        .row("Rulings", s.rulings.to_string())
+        .row(
+            "Their largest bow",
+            format!(
+                "{} flat, {} in space",
+                percent_size(s.ruling_bow_flat),
+                percent_size(s.ruling_bow_space)
+            ),
+        )
+        .finish("Shape of the surface")
+}
+
+/// Pictures side by side, with their legends.
+pub(super) fn gallery(all: &[Picture]) -> String {
     let one = |p: &Picture| picture(&p.png, &p.title, &p.legend.as_ref().map(legend).unwrap_or_default());
     let figures: String = all.iter().map(one).collect();
-    let gallery =
-        if figures.is_empty() { figures } else { format!("<div class=\"gallery\">\n{figures}</div>\n") };
-    section("folded", "Folded", &gallery)
+    if figures.is_empty() { figures } else { format!("<div class=\"gallery\">\n{figures}</div>\n") }
 }
 
 fn patterns(report: &Report, pictures: &Pictures) -> String {

@@ -323,6 +323,57 @@ pub struct Surface {
     pub face_distance_mm: f64,
     /// Whether the CAD kernel finds it valid.
     pub valid: bool,
+    /// How it bends and stretches the sheet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shape: Option<SurfaceShape>,
+}
+
+/// How the surface bends and stretches the sheet. Shares are of the sheet's area.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceShape {
+    /// Smallest radius of curvature, mm; none for a plane.
+    pub min_radius_mm: Option<f64>,
+    /// Where it is.
+    pub min_radius_at: [f64; 2],
+    /// Smallest radius of the board's lower skin, mm; none where it is plane.
+    pub lower_skin_radius_mm: Option<f64>,
+    /// Where it is.
+    pub lower_skin_radius_at: [f64; 2],
+    /// Smallest radius of the upper skin, mm; none where it is plane.
+    pub upper_skin_radius_mm: Option<f64>,
+    /// Where it is.
+    pub upper_skin_radius_at: [f64; 2],
+    /// Smallest radius that the material allows, mm, if it says one.
+    pub radius_limit_mm: Option<f64>,
+    /// Gaussian curvature of largest size, 1/mm².
+    pub gaussian_curvature_per_mm2: f64,
+    /// Where it is.
+    pub gaussian_curvature_at: [f64; 2],
+    /// Smallest principal strain of the map from the flat sheet.
+    pub principal_strain_min: f64,
+    /// Where it is.
+    pub principal_strain_min_at: [f64; 2],
+    /// Largest principal strain.
+    pub principal_strain_max: f64,
+    /// Where it is.
+    pub principal_strain_max_at: [f64; 2],
+    /// Share that is plane.
+    pub plane_share: f64,
+    /// Share that bends one way: it is developable and has rulings.
+    pub developable_share: f64,
+    /// Share that bends both ways.
+    pub doubly_bent_share: f64,
+    /// Largest ratio of the Gaussian curvature to the square of the larger curvature that counts as developable.
+    pub developable_to: f64,
+    /// Radius beyond which a place counts as plane, mm.
+    pub plane_beyond_radius_mm: f64,
+    /// Rulings that were traced.
+    pub rulings: usize,
+    /// Farthest that one of them leaves the line between its ends, share of its length, on the flat sheet: 0 for a true
+    /// developable.
+    pub ruling_bow_flat: f64,
+    /// The same in space.
+    pub ruling_bow_space: f64,
 }
 
 /// The thick board.
