@@ -28,17 +28,19 @@ const NEEDED: [(&str, &str); 4] = [
 ];
 
 /// Users before used, as the linker wants them.
-const LINKED: [&str; 32] = [
+const LINKED: [&str; 34] = [
     "osdCPU",
     "OpenMeshTools",
     "OpenMeshCore",
     "mpfr",
     "gmp",
     "TKXDESTEP",
+    "TKXDEIGES",
     "TKSTEP",
     "TKSTEPAttr",
     "TKSTEP209",
     "TKSTEPBase",
+    "TKIGES",
     "TKXCAF",
     "TKVCAF",
     "TKCAF",

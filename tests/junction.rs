@@ -40,7 +40,7 @@ fn four_bands_that_meet_fold_into_a_vertex_of_degree_four() {
 }
 
 #[test]
-fn a_slit_opens_when_the_sheet_folds_and_is_refused_before_a_surface() {
+fn a_slit_opens_when_the_sheet_folds_and_in_the_surface_and_is_refused_before_a_board() {
     let folder = fresh("slit");
     std::fs::create_dir_all(&folder).unwrap();
     let pattern = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"300mm\" height=\"200mm\" viewBox=\"0 0 300 200\">\n\
@@ -69,6 +69,8 @@ fn a_slit_opens_when_the_sheet_folds_and_is_refused_before_a_surface() {
     let widest = lips.map(|(i, k)| away(folded[i], folded[k])).fold(0.0, f64::max);
     assert!(widest > 5.0, "the lips part by {widest} mm");
     let said = softfold(&[Path::new("surface"), &project, Path::new("--out"), &folder.join("surface")]);
+    assert_eq!(said.code, Some(0), "{}{}", said.stdout, said.stderr);
+    let said = softfold(&[Path::new("board"), &project, Path::new("--out"), &folder.join("board")]);
     assert_eq!(said.code, Some(1));
     assert!(said.stderr.contains("slit") && said.stderr.contains("narrow holes"), "{}", said.stderr);
 }

@@ -158,6 +158,24 @@ fn the_board_is_valid_weighs_what_it_should_and_stands() {
     );
 }
 
+/// What a board of this size may weigh as a file.
+const STEP_MOST_BYTES: u64 = 5_000_000;
+
+#[test]
+fn the_board_is_exact_and_light() {
+    let bytes = std::fs::metadata(sculpture().folder.join("board.step")).expect("board.step").len();
+    assert!(bytes < STEP_MOST_BYTES, "{bytes} bytes");
+    let offset = sculpture().number("/board/offset_error_mm");
+    assert!(offset <= 0.02, "a skin is {offset} mm off");
+    let volume = sculpture().number("/board/volume_mm3");
+    assert_near("offset of the sheet", volume, sculpture().number("/board/offset_volume_mm3"), 1e-4);
+    assert_near("triangles", volume, sculpture().number("/board/mesh_volume_mm3"), 1e-3);
+    let moments = sculpture().value("/board/principal_moments_kg_mm2").as_array().expect("three moments");
+    // Of a thin plate the largest is nearly the sum of the others; folded it is less.
+    let [a, b, c] = [0, 1, 2].map(|k| number(&moments[k]));
+    assert!(0.0 < a && a <= b && b <= c && c <= a + b, "{moments:?}");
+}
+
 #[test]
 fn every_part_is_valid_and_inner_cells_measure_what_a_cell_measures() {
     for part in sculpture().parts() {

@@ -142,8 +142,9 @@ void add_sides(TopoDS_Shell& shell, const TrimLoop& lower, const TrimLoop& upper
 ShapePtr board_solid(const FlatSurface& lower_surface, const FlatSurface& upper_surface, const FlatLoops& loops) {
   const Handle(Geom_BSplineSurface) lower_geometry = clamped_surface(lower_surface);
   const Handle(Geom_BSplineSurface) upper_geometry = clamped_surface(upper_surface);
-  const TrimmedFace lower = make_trimmed_face(lower_geometry, loops);
-  const TrimmedFace upper = make_trimmed_face(upper_geometry, loops);
+  const Surfaces both{lower_geometry, upper_geometry};
+  const TrimmedFace lower = make_trimmed_face(lower_geometry, loops, both);
+  const TrimmedFace upper = make_trimmed_face(upper_geometry, loops, both);
   require_apart(lower.face, *lower_geometry, *upper_geometry);
   BRep_Builder builder;
   TopoDS_Shell shell;

@@ -5,5 +5,8 @@
 
 namespace softfold::occt {
 struct Mass;
+struct Inertia;
 Mass mass_properties(const TopoDS_Shape& shape, double relative);
+// With the moments of inertia about the center.
+Inertia inertia(const TopoDS_Shape& shape, double relative);
 }  // namespace softfold::occt

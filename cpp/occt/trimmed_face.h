@@ -1,13 +1,13 @@
 // A B-spline surface trimmed by loops of curves in its parameters.
 #pragma once
 
-#include <Geom_Surface.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Vertex.hxx>
 
 #include <vector>
 
+#include "occt/edge_curve.h"
 #include "occt/shape.h"
 
 namespace softfold::occt {
@@ -28,7 +28,9 @@ struct TrimmedFace {
   std::vector<TrimLoop> loops;
 };
 
-// A valid face whose edges have their 3D curves.
-TrimmedFace make_trimmed_face(const Handle(Geom_Surface) & surface, const FlatLoops& loops);
+// A valid face whose edges have their 3D curves. Faces that are made with the same partners, themselves among them, have
+// curves with the same knots along the same trim curves.
+TrimmedFace make_trimmed_face(const Handle(Geom_BSplineSurface) & surface, const FlatLoops& loops,
+                              const Surfaces& partners);
 
 }  // namespace softfold::occt

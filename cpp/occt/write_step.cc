@@ -2,15 +2,9 @@
 
 #include <APIHeaderSection_MakeHeader.hxx>
 #include <Interface_Static.hxx>
-#include <Quantity_Color.hxx>
 #include <STEPCAFControl_Writer.hxx>
 #include <StepData_StepModel.hxx>
 #include <TCollection_HAsciiString.hxx>
-#include <TDataStd_Name.hxx>
-#include <TDocStd_Document.hxx>
-#include <XCAFDoc_ColorTool.hxx>
-#include <XCAFDoc_DocumentTool.hxx>
-#include <XCAFDoc_ShapeTool.hxx>
 #include <XSControl_WorkSession.hxx>
 
 #include <stdexcept>
@@ -36,16 +30,6 @@ void set_parameters(const StepHeader& header) {
   Interface_Static::SetIVal("write.step.assembly", 2);  // 2: only where there is one
 }
 
-TDF_Label add_part(const Handle(TDocStd_Document) & document, const StepPart& part) {
-  const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
-  const auto colors = XCAFDoc_DocumentTool::ColorTool(document->Main());
-  const TDF_Label label = shapes->AddShape(*part.shape, Standard_False);
-  TDataStd_Name::Set(label, TCollection_ExtendedString(std::string(part.name).c_str(), Standard_True));
-  const Quantity_Color color(part.color[0], part.color[1], part.color[2], Quantity_TOC_sRGB);
-  colors->SetColor(label, color, XCAFDoc_ColorSurf);
-  return label;
-}
-
 Handle(TCollection_HAsciiString) text(const rust::String& value) {
   return new TCollection_HAsciiString(std::string(value).c_str());
 }
@@ -69,9 +53,12 @@ void write_step(rust::Str path, const rust::Vec<StepPart>& parts, const StepHead
   writer.SetColorMode(Standard_True);
   writer.SetNameMode(Standard_True);
   // One by one: of several parts together, OpenCascade writes the colours in the order of addresses in memory.
-  for (const StepPart& part : parts)
-    if (!writer.Transfer(add_part(file.document, part), STEPControl_AsIs))
+  for (const StepPart& part : parts) {
+    // With each part the materials of all before it are written once more: so only with the last.
+    writer.SetMaterialMode(&part == &parts.back());
+    if (!writer.Transfer(file.add(part), STEPControl_AsIs))
       throw std::runtime_error("part " + std::string(part.name) + " does not go into STEP: " + take_messages());
+  }
   fill_header(Handle(StepData_StepModel)::DownCast(writer.Writer().WS()->Model()), header);
   if (writer.Write(std::string(path).c_str()) != IFSelect_RetDone)
     throw std::runtime_error("the file cannot be written: " + take_messages());

@@ -28,8 +28,8 @@ using StencilFactory = Far::StencilTableFactoryReal<double>;
 // Bits of PatchParam::GetBoundary.
 enum Side { bottom = 1, right = 2, top = 4, left = 8 };
 
-Far::PatchTableFactory::Options patch_options() {
-  Far::PatchTableFactory::Options options(isolation_level);
+Far::PatchTableFactory::Options patch_options(int isolation) {
+  Far::PatchTableFactory::Options options(isolation);
   options.SetEndCapType(Far::PatchTableFactory::Options::ENDCAP_BSPLINE_BASIS);
   options.SetPatchPrecision<double>();
   options.useInfSharpPatch = true;  // borders are exact patches, not refined ones
@@ -38,11 +38,12 @@ Far::PatchTableFactory::Options patch_options() {
 }
 
 // One row per refined vertex, then one per local point.
-std::unique_ptr<const Stencils> point_stencils(const Far::TopologyRefiner& refiner, const Far::PatchTable& patches) {
+std::unique_ptr<const Stencils> point_stencils(const Far::TopologyRefiner& refiner, const Far::PatchTable& patches,
+                                               int isolation) {
   StencilFactory::Options options;
   options.generateIntermediateLevels = true;
   options.generateOffsets = true;
-  options.maxLevel = isolation_level;
+  options.maxLevel = isolation;
   std::unique_ptr<const Stencils> refined(StencilFactory::Create(refiner, options));
   const Stencils* local = patches.GetLocalPointStencilTable<double>();
   if (!local || local->GetNumStencils() == 0) return refined;
@@ -131,12 +132,12 @@ private:
 
 }  // namespace
 
-FlatPatches bspline_patches(std::uint32_t vertex_count, Indices cage) {
+FlatPatches bspline_patches(std::uint32_t vertex_count, Indices cage, std::uint32_t isolation) {
   const Refiner refiner = make_refiner(vertex_count, cage);
-  const auto options = patch_options();
+  const auto options = patch_options(static_cast<int>(isolation));
   refiner->RefineAdaptive(options.GetRefineAdaptiveOptions());
   const std::unique_ptr<const Far::PatchTable> patches(Far::PatchTableFactory::Create(*refiner, options));
-  const auto stencils = point_stencils(*refiner, *patches);
+  const auto stencils = point_stencils(*refiner, *patches, static_cast<int>(isolation));
   Collector collector(static_cast<int>(vertex_count), *stencils);
   for (int array = 0; array < patches->GetNumPatchArrays(); ++array)
     for (int index = 0; index < patches->GetNumPatches(array); ++index) collector.add(*patches, array, index);

@@ -5,5 +5,6 @@
 
 namespace softfold::opensubdiv {
 struct FlatPatches;
-FlatPatches bspline_patches(std::uint32_t vertex_count, Indices cage);
+// `isolation`: how often a quad at an extraordinary vertex is halved before the rest of it is approximated.
+FlatPatches bspline_patches(std::uint32_t vertex_count, Indices cage, std::uint32_t isolation);
 }  // namespace softfold::opensubdiv

@@ -1,6 +1,6 @@
-"""What OpenCascade 8 says of STEP files: one JSON object, file by file, on standard output.
+"""What OpenCascade 8 says of STEP, IGES and BREP files: one JSON object, file by file, on standard output.
 
-    python step.py FILE.step...
+    python step.py FILE.step|iges|brep...
 
 Facts only; the caller judges. A file that cannot be read gets the key "error".
 Volumes are by adaptive Gauss-Kronrod: the plain form is wrong on B-spline faces. Lengths are millimetres.
@@ -10,22 +10,25 @@ import json
 import sys
 
 from OCP.Bnd import Bnd_Box
-from OCP.BRep import BRep_Tool
+from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp
+from OCP.BRepTools import BRepTools
 from OCP.collections import Sequence_TCollection_AsciiString, Sequence_TDF_Label
 from OCP.GProp import GProp_GProps
 from OCP.IFSelect import IFSelect_RetDone
+from OCP.IGESCAFControl import IGESCAFControl_Reader
 from OCP.Message import Message
 from OCP.STEPCAFControl import STEPCAFControl_Reader
 from OCP.STEPControl import STEPControl_Reader
 from OCP.TCollection import TCollection_ExtendedString
-from OCP.TDataStd import TDataStd_Name
+from OCP.TDataStd import TDataStd_Name, TDataStd_TreeNode
 from OCP.TDocStd import TDocStd_Document
 from OCP.TopAbs import TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
-from OCP.XCAFDoc import XCAFDoc_DocumentTool
+from OCP.TopoDS import TopoDS_Shape
+from OCP.XCAFDoc import XCAFDoc, XCAFDoc_DocumentTool, XCAFDoc_Material
 
 VOLUME_EPS = 1e-8  # relative, per face
 
@@ -48,20 +51,47 @@ def units(path):
     return sorted({lengths.Value(i).ToCString() for i in range(1, lengths.Length() + 1)})
 
 
+def reader(path):
+    """The reader of a file's format, with what it is told to look for."""
+    if path.endswith((".iges", ".igs")):
+        return IGESCAFControl_Reader()
+    step = STEPCAFControl_Reader()
+    step.SetMatMode(True)
+    return step
+
+
+def material(label):
+    """Name and density in kg/m³ of what a part is made of."""
+    node, of = TDataStd_TreeNode(), XCAFDoc.MaterialRefGUID_s()
+    if not label.IsAttribute(of) or not label.FindAttribute(of, node) or not node.HasFather():
+        return None
+    found = XCAFDoc_Material()
+    if not node.Father().Label().FindAttribute(XCAFDoc_Material.GetID_s(), found):
+        return None
+    # OpenCascade has densities in g/cm³.
+    return {"name": found.GetName().ToCString(), "density_kg_m3": 1000.0 * found.GetDensity()}
+
+
 def products(path):
-    """Named top-level products and their shapes."""
+    """Named top-level products, their shapes and materials."""
+    if path.endswith(".brep"):
+        shape = TopoDS_Shape()
+        if not BRepTools.Read_s(shape, path, BRep_Builder()):
+            raise ValueError("not a BREP file")
+        yield None, shape, None
+        return
     document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
-    reader = STEPCAFControl_Reader()
-    reader.SetNameMode(True)
-    if reader.ReadFile(path) != IFSelect_RetDone or not reader.Transfer(document):
-        raise ValueError("not a STEP file that can be transferred")
+    file = reader(path)
+    file.SetNameMode(True)
+    if file.ReadFile(path) != IFSelect_RetDone or not file.Transfer(document):
+        raise ValueError("not a file that can be transferred")
     tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     labels = Sequence_TDF_Label()
     tool.GetFreeShapes(labels)
     for i in range(1, labels.Length() + 1):
         label, name = labels.Value(i), TDataStd_Name()
         found = label.FindAttribute(TDataStd_Name.GetID_s(), name)
-        yield (name.Get().ToExtString() if found else None), tool.GetShape_s(label)
+        yield (name.Get().ToExtString() if found else None), tool.GetShape_s(label), material(label)
 
 
 def volume(solid):
@@ -84,12 +114,13 @@ def facts_of_solid(solid):
     }
 
 
-def facts_of_product(name, shape):
+def facts_of_product(name, shape, made_of):
     box = Bnd_Box()
     BRepBndLib.AddOptimal_s(shape, box, False, False)
     low, high = box.CornerMin(), box.CornerMax()
     return {
         "name": name,
+        "material": made_of,
         "valid": BRepCheck_Analyzer(shape).IsValid(),
         "faces": len(list(parts(shape, TopAbs_FACE))),
         "size_mm": [high.X() - low.X(), high.Y() - low.Y(), high.Z() - low.Z()],
@@ -99,7 +130,8 @@ def facts_of_product(name, shape):
 
 def facts(path):
     try:
-        return {"units": units(path), "products": [facts_of_product(*p) for p in products(path)]}
+        declared = [] if path.endswith((".iges", ".igs", ".brep")) else units(path)
+        return {"units": declared, "products": [facts_of_product(*p) for p in products(path)]}
     except Exception as fault:  # whatever a reader throws is a fact about the file
         return {"error": f"{type(fault).__name__}: {fault}"}
 

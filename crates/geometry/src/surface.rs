@@ -22,7 +22,7 @@ pub struct UniformBicubic {
 }
 
 /// Position and derivatives of the surface at one (u, v).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SurfacePoint {
     /// Position, mm.
     pub position: DVec3,

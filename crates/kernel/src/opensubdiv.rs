@@ -8,6 +8,9 @@ use crate::buffers::tuples;
 use crate::check;
 use crate::error::{Library, Result};
 
+/// Halvings of a quad at an extraordinary vertex that limit stencils are exact to.
+const MOST_ISOLATION: u32 = 6;
+
 /// A quad mesh by its connections alone.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Cage {
@@ -95,9 +98,21 @@ pub fn limit_stencils(cage: &Cage, samples: &[Sample]) -> Result<Stencils> {
 /// # Errors
 /// A cage that is empty, names vertices out of range or is no oriented manifold.
 pub fn bspline_patches(cage: &Cage) -> Result<BsplinePatches> {
+    bspline_patches_isolated(cage, MOST_ISOLATION)
+}
+
+/// As [`bspline_patches`], with quads at extraordinary vertices halved `isolation` times, 1 to 6, before the rest of them
+/// is one patch: fewer patches, and a coarser approximation in that rest.
+///
+/// # Errors
+/// As [`bspline_patches`]; an isolation out of range.
+pub fn bspline_patches_isolated(cage: &Cage, isolation: u32) -> Result<BsplinePatches> {
     const OPERATION: &str = "opensubdiv::bspline_patches";
     check_cage(OPERATION, cage)?;
-    let flat = ffi::bspline_patches(cage.vertex_count as u32, cage.quads.as_flattened())
+    check::require(OPERATION, (1..=MOST_ISOLATION).contains(&isolation), || {
+        format!("isolation {isolation}; 1 to {MOST_ISOLATION}")
+    })?;
+    let flat = ffi::bspline_patches(cage.vertex_count as u32, cage.quads.as_flattened(), isolation)
         .map_err(Library::OpenSubdiv.failure(OPERATION))?;
     Ok(BsplinePatches {
         control_points: tuples(&flat.control_points),

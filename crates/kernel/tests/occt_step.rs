@@ -5,7 +5,7 @@ mod common;
 
 use common::{assert_close, graph_surface, polygon, wavy};
 use softfold_kernel::KernelError;
-use softfold_kernel::occt::{self, NamedShape, Shape, StepOptions, StepSchema};
+use softfold_kernel::occt::{self, IgesOptions, Material, NamedShape, Shape, StepOptions, StepSchema};
 use std::fs;
 use std::path::Path;
 
@@ -21,7 +21,7 @@ fn cube() -> Shape {
 }
 
 fn part<'a>(name: &'a str, shape: &'a Shape) -> NamedShape<'a> {
-    NamedShape { name, color_srgb: [0.8, 0.1, 0.2], shape }
+    NamedShape { name, color_srgb: [0.8, 0.1, 0.2], material: None, shape }
 }
 
 fn options(schema: StepSchema) -> StepOptions {
@@ -60,6 +60,100 @@ fn parts_come_back_with_names_colours_and_volumes() {
             }
         }
     }
+}
+
+#[test]
+fn materials_come_back_with_their_densities_in_units_that_make_sense() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("material.step");
+    let cube = cube();
+    for (name, density_kg_m3) in [("fiber cement", 1750.0), ("Väggplåt 'S' 鋼", 7850.5)] {
+        let of = NamedShape { material: Some(Material { name, density_kg_m3 }), ..part("cube", &cube) };
+        for schema in [StepSchema::Ap214, StepSchema::Ap242] {
+            occt::write_step(&path, &[of, part("bare", &cube)], &options(schema)).unwrap();
+            let parts = occt::read_step(&path).unwrap();
+            let found = parts[0].material.clone().unwrap();
+            assert_eq!(found.name, name, "{schema:?}");
+            assert_close(found.density_kg_m3, density_kg_m3, 1e-9);
+            assert_eq!(parts[1].material, None);
+            let text = fs::read_to_string(&path).unwrap();
+            assert!(text.is_ascii());
+            // Grams to the first power, per centimetre to the third; OpenCascade leaves out the signs and the one.
+            let units: Vec<&str> = text.lines().filter(|l| l.contains("DERIVED_UNIT_ELEMENT(")).collect();
+            let power = |p: &str| units.iter().filter(|u| u.ends_with(&format!(",{p});"))).count();
+            assert_eq!((units.len(), power("1."), power("-3.")), (2, 1, 1), "{units:?}");
+        }
+    }
+    let senseless = Material { name: "x", density_kg_m3: f64::NAN };
+    let of = NamedShape { material: Some(senseless), ..part("cube", &cube) };
+    assert!(occt::write_step(&path, &[of], &options(StepSchema::Ap242)).is_err());
+}
+
+#[test]
+fn equal_things_are_written_once_and_lines_are_short() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board.step");
+    let board = board();
+    occt::write_step(&path, &[part("board", &board)], &options(StepSchema::Ap242)).unwrap();
+    let text = fs::read_to_string(&path).unwrap();
+    assert!(text.lines().all(|line| line.len() <= 80), "a long line");
+    let points: Vec<&str> =
+        text.lines().filter_map(|l| l.split_once("=CARTESIAN_POINT(")).map(|(_, point)| point).collect();
+    let distinct: std::collections::BTreeSet<&&str> = points.iter().collect();
+    assert!(points.len() > 500 && distinct.len() == points.len());
+    // The ruled sides have the poles of their edges, so that they add none: twice the skins' and the edges' own.
+    let read = occt::read_step(&path).unwrap();
+    assert_close(volume(&read[0].shape), volume(&board), 1e-10);
+}
+
+#[test]
+fn iges_brings_solids_colours_and_short_names_and_equal_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = board();
+    let options =
+        IgesOptions { product: "Größe".into(), author: "O'Neil".into(), ..IgesOptions::default() };
+    let paths = ["a.iges", "b.iges"].map(|name| folder.path().join(name));
+    for path in &paths {
+        occt::write_iges(path, &[part("board of oak", &board)], &options).unwrap();
+    }
+    let bytes = paths.each_ref().map(|path| fs::read(path).unwrap());
+    assert!(bytes[0] == bytes[1] && bytes[0].is_ascii(), "equal parts make equal files");
+    let parts = occt::read_iges(&paths[0]).unwrap();
+    assert_eq!(parts.len(), 1);
+    assert_eq!(parts[0].name.trim(), "board of");
+    assert_eq!(occt::counts(&parts[0].shape).unwrap().solids, 1);
+    assert!(occt::check(&parts[0].shape).unwrap().is_empty());
+    assert_close(volume(&parts[0].shape), volume(&board), 1e-6);
+    let color = parts[0].color_srgb.unwrap();
+    assert!(color.iter().zip([0.8, 0.1, 0.2]).all(|(a, b): (&f32, f32)| (a - b).abs() < 5e-3), "{color:?}");
+}
+
+#[test]
+fn brep_brings_the_very_shape() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.brep");
+    let board = board();
+    occt::write_brep(&path, &board).unwrap();
+    let read = occt::read_brep(&path).unwrap();
+    assert_eq!(occt::counts(&read).unwrap(), occt::counts(&board).unwrap());
+    assert_close(volume(&read), volume(&board), 1e-10);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn bad_iges_and_brep_files_are_errors_and_leave_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let garbage = folder.path().join("garbage");
+    fs::write(&garbage, "no shape at all\n").unwrap();
+    for path in [garbage.as_path(), &folder.path().join("missing")] {
+        assert!(matches!(occt::read_iges(path).unwrap_err(), KernelError::File { .. }));
+        assert!(matches!(occt::read_brep(path).unwrap_err(), KernelError::File { .. }));
+    }
+    let (cube, nowhere) = (cube(), folder.path().join("missing/a"));
+    assert!(occt::write_iges(&nowhere, &[part("cube", &cube)], &IgesOptions::default()).is_err());
+    assert!(occt::write_iges(&folder.path().join("a"), &[], &IgesOptions::default()).is_err());
+    assert!(occt::write_brep(&nowhere, &cube).is_err());
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
 #[test]

@@ -1,30 +1,25 @@
 //! The board: the sheet with its thickness.
 
-use crate::area::area_mm2;
 use crate::error::{During, MoldError, Setting};
-use crate::samples::{LatticeSample, TrimIndex, border};
-use crate::spline::{bspline, trim_loops};
+use crate::ground::{self, GroundTrim};
+use crate::measure::{Inertia, SheetIntegrals, moments};
+use crate::samples::{LatticeSample, TrimIndex, border, border_of};
+use crate::skin::{Skin, SkinInput, skin_of, skins};
+use crate::spline::trim_loops;
+use crate::triangles::{BoardTriangles, volume_mm3};
 use glam::{DVec2, DVec3};
 use softfold_geometry::{PlanarCurve, SheetSurface, SurfacePoint, UniformBicubic};
 use softfold_kernel::occt::{self, Shape};
 
 /// Largest distance of a skin from the true offset, mm: less than half of what the sheet itself may be off.
 const OFFSET_ERROR_MM: f64 = 0.02;
-/// No finer than this share of the sheet's own lattice: 256 times its poles.
-const FINEST: f64 = 1.0 / 16.0;
-/// A lattice that is too coarse becomes finer by at least the first and at most the second factor at a time, as the error
-/// asks that falls with its third power: it is as large as the jumps of the offset's second derivatives.
-const FINER: [f64; 2] = [0.9, 0.5];
-const ORDER: f64 = 3.0;
-/// A lattice may end short of the domain by this share of a cell, for the sake of rounding.
-const CELL_ROUNDING: f64 = 1e-9;
 /// Places per lattice cell and direction at which skins and curvatures are looked at.
 const SAMPLES_PER_CELL: f64 = 3.0;
 /// A skin must stay this share of the radius away from the centre of curvature: nearer than that its own radius is
 /// below any tool and the offset's normals turn over with the rounding of the surface.
 const CENTRE_CLEARANCE: f64 = 1e-3;
-/// Asked of the integration of its volume, which then is right to about 1e-7: other programs shall find the same.
-const VOLUME_ACCURACY: f64 = 1e-7;
+/// Step along the border, as share of that inside.
+const BORDER_STEP: f64 = 0.125;
 /// kg/m³ to kg/mm³.
 const PER_CUBIC_MM: f64 = 1e-9;
 
@@ -84,9 +79,9 @@ pub struct Board {
     /// The solid: both skins and ruled side walls.
     pub shape: Shape,
     /// Lower skin over the sheet's (u, v).
-    pub lower: UniformBicubic,
+    pub lower: Skin,
     /// Upper skin over the sheet's (u, v).
-    pub upper: UniformBicubic,
+    pub upper: Skin,
     /// Outline and holes of both skins in (u, v).
     pub trim: Vec<PlanarCurve>,
     /// Thickness, mm.
@@ -95,10 +90,18 @@ pub struct Board {
     pub volume_mm3: f64,
     /// Area of the sheet's surface inside its trim, mm².
     pub area_mid_mm2: f64,
+    /// Volume between the true offsets of the sheet, mm³: its area and curvatures integrated. The skins' is near to it.
+    pub offset_volume_mm3: f64,
+    /// The same board once more: volume of its triangles, by CGAL, mm³.
+    pub mesh_volume_mm3: f64,
     /// Mass, kg.
     pub mass_kg: f64,
     /// Centre of mass, mm.
     pub barycenter_mm: DVec3,
+    /// Inertia about the centre of mass.
+    pub inertia: Inertia,
+    /// How it was cut at the ground, if it was.
+    pub trimmed: Option<GroundTrim>,
     /// Smallest radius of the lower and the upper skin, from the curvature of the sheet and the exact offset.
     pub min_radius_mm: [SkinRadius; 2],
     /// Largest distance found between a skin and the exact offset, mm.
@@ -107,55 +110,64 @@ pub struct Board {
 
 /// Makes the board of a sheet.
 ///
-/// Skins are `S + d·n` interpolated at the knots of a lattice as fine as the sheet's own, or finer, until they are within
-/// 0.02 mm of the exact offset wherever they were looked at (`offset_error_mm` tells what was reached).
+/// Skins are `S + d·n` by least squares, with as few knots as keep them within 0.02 mm of the exact offset wherever they
+/// were looked at (`offset_error_mm` tells what was reached).
 ///
 /// # Errors
 /// Options that are not positive, a trim that leaves the surface, skins that pass a centre of curvature, a solid that
 /// OpenCascade does not find valid.
 pub fn make_board(sheet: &SheetSurface, options: &BoardOptions) -> Result<Board, MoldError> {
     options.check()?;
-    let places = places(sheet)?;
+    let index = TrimIndex::new(sheet)?;
+    let places = places(sheet, &index);
     let offsets = options.placement.offsets_mm(options.thickness_mm);
     let curved = curvatures(&sheet.spline, &places);
     refuse_folding_over(&curved, options)?;
-    let (skins, offset_error_mm) = skins(&sheet.spline, offsets, &places);
-    let [lower, upper] = skins;
-    let shape = occt::board_solid(&bspline(&lower), &bspline(&upper), &trim_loops(&sheet.trim))
+    let ([lower, upper], offset_error_mm) = skins_of(sheet, &index, offsets, &places)?;
+    let triangles = BoardTriangles::of(sheet, &index)?;
+    let solid = triangles.solid(|k, uv| [&lower, &upper][k].at(uv));
+    triangles.refuse_crossing(sheet, &solid, offsets)?;
+    let shape = occt::board_solid(&lower.bspline(), &upper.bspline(), &trim_loops(&sheet.trim))
         .during(|| "the board".into())?;
     require_valid(&shape, "the board")?;
-    let mass = occt::mass_properties(&shape, VOLUME_ACCURACY).during(|| "the board's mass".into())?;
+    let found = moments(&lower, &upper, &sheet.trim);
+    let of_sheet = SheetIntegrals::of(sheet);
+    let density_kg_mm3 = options.density_kg_m3 * PER_CUBIC_MM;
     Ok(Board {
         shape,
         lower,
         upper,
         trim: sheet.trim.clone(),
         thickness_mm: options.thickness_mm,
-        volume_mm3: mass.volume_mm3,
-        area_mid_mm2: area_mm2(sheet),
-        mass_kg: mass.volume_mm3 * options.density_kg_m3 * PER_CUBIC_MM,
-        barycenter_mm: DVec3::from(mass.center),
+        volume_mm3: found.volume_mm3,
+        area_mid_mm2: of_sheet.area_mm2,
+        offset_volume_mm3: of_sheet.volume_between_mm3(offsets),
+        mesh_volume_mm3: volume_mm3(&solid)?,
+        mass_kg: found.volume_mm3 * density_kg_mm3,
+        barycenter_mm: found.center_mm,
+        inertia: Inertia::of(density_kg_mm3 * found.inertia_mm5),
+        trimmed: None,
         min_radius_mm: offsets.map(|d| smallest_radius(&curved, d)),
         offset_error_mm,
     })
 }
 
 impl Board {
-    /// Points of both skins, on the border and inside it, no farther apart than `step_mm` on the flat sheet: what can
-    /// touch the ground.
+    /// Points of both skins, no farther apart than `step_mm` on the flat sheet, and eight times as many along the border,
+    /// on which most pieces stand: what can touch the ground. Of a board that is cut at the ground, points all over it.
     ///
     /// # Errors
-    /// A trim that leaves the surface.
+    /// A trim that does not close; triangles of a cut board that cannot be made.
     pub fn points(&self, step_mm: f64) -> Result<Vec<DVec3>, MoldError> {
-        let sheet = SheetSurface {
-            spline: self.lower.clone(),
-            trim: self.trim.clone(),
-            deviation: Default::default(),
-        };
-        let mut uv = border(&sheet, step_mm);
-        uv.extend(TrimIndex::new(&sheet)?.lattice(step_mm).iter().map(|s: &LatticeSample| s.uv));
+        if self.trimmed.is_some() {
+            return ground::points(&self.shape);
+        }
+        let index = TrimIndex::of_trim(&self.trim)?;
+        let along = self.trim.iter().flat_map(|curve| border_of(curve, BORDER_STEP * step_mm));
+        let uv: Vec<DVec2> =
+            along.chain(index.lattice(step_mm).iter().map(|s: &LatticeSample| s.uv)).collect();
         let skins = [&self.lower, &self.upper];
-        Ok(skins.iter().flat_map(|skin| uv.iter().map(|&p| skin.at(p).position)).collect())
+        Ok(skins.iter().flat_map(|skin| uv.iter().map(|&p| skin.at(p))).collect())
     }
 }
 
@@ -177,12 +189,11 @@ pub(crate) fn require_valid(shape: &Shape, what: &str) -> Result<(), MoldError> 
 }
 
 /// Where curvature and offset are looked at: all over the sheet and along its border.
-fn places(sheet: &SheetSurface) -> Result<Vec<DVec2>, MoldError> {
+fn places(sheet: &SheetSurface, index: &TrimIndex) -> Vec<DVec2> {
     let step_mm = sheet.spline.spacing_mm / SAMPLES_PER_CELL;
-    let inside = TrimIndex::new(sheet)?.lattice(step_mm);
     let mut places = border(sheet, step_mm);
-    places.extend(inside.iter().map(|s| s.uv));
-    Ok(places)
+    places.extend(index.lattice(step_mm).iter().map(|s| s.uv));
+    places
 }
 
 /// Principal curvatures at each place.
@@ -215,46 +226,34 @@ fn smallest_radius(curved: &[(DVec2, [f64; 2])], offset_mm: f64) -> SkinRadius {
     all.fold(flat, |best, r| if r.radius_mm < best.radius_mm { r } else { best })
 }
 
-/// Both skins on a lattice that is fine enough for the offset error, and the error reached.
-fn skins(surface: &UniformBicubic, offsets_mm: [f64; 2], places: &[DVec2]) -> ([UniformBicubic; 2], f64) {
-    let exact: Vec<SurfacePoint> = places.iter().map(|&uv| surface.at(uv)).collect();
-    let mut spacing_mm = surface.spacing_mm;
-    loop {
-        let skins = offsets_mm.map(|d| offset_skin(surface, d, spacing_mm));
-        let off = |(skin, d): (&UniformBicubic, f64)| offset_error_mm(skin, d, places, &exact);
-        let error = skins.iter().zip(offsets_mm).map(off).fold(0.0, f64::max);
-        let finer = spacing_mm * (0.95 * OFFSET_ERROR_MM / error).powf(1.0 / ORDER).clamp(FINER[1], FINER[0]);
-        if error <= OFFSET_ERROR_MM || finer < FINEST * surface.spacing_mm {
-            return (skins, error);
-        }
-        spacing_mm = finer;
-    }
+/// Both skins and the largest distance of them from the exact offset; where that is the sheet itself, exactly the sheet.
+fn skins_of(
+    sheet: &SheetSurface,
+    index: &TrimIndex,
+    offsets_mm: [f64; 2],
+    places: &[DVec2],
+) -> Result<([Skin; 2], f64), MoldError> {
+    let exact: Vec<SurfacePoint> = places.iter().map(|&uv| sheet.spline.at(uv)).collect();
+    let input = SkinInput { sheet, index, offsets_mm, tolerance_mm: OFFSET_ERROR_MM };
+    let error = |skins: &[Skin; 2]| {
+        let off = |(skin, d): (&Skin, f64)| offset_error_mm(skin, d, places, &exact);
+        skins.iter().zip(offsets_mm).map(off).fold(0.0, f64::max)
+    };
+    let fault = "no spline through its offset could be found".to_owned();
+    let refused = || MoldError::Invalid { what: "the board's skin".into(), faults: vec![fault] };
+    let (mut skins, error_mm) = skins(&input, error).ok_or_else(refused)?;
+    skins
+        .iter_mut()
+        .zip(offsets_mm)
+        .filter(|(_, d)| *d == 0.0)
+        .for_each(|(s, _)| *s = skin_of(&sheet.spline));
+    Ok((skins, error_mm))
 }
 
 /// Largest distance of a skin from the exact offset.
-fn offset_error_mm(skin: &UniformBicubic, offset_mm: f64, places: &[DVec2], exact: &[SurfacePoint]) -> f64 {
-    let off = |(uv, p): (&DVec2, &SurfacePoint)| {
-        skin.at(*uv).position.distance(p.position + offset_mm * p.normal())
-    };
+fn offset_error_mm(skin: &Skin, offset_mm: f64, places: &[DVec2], exact: &[SurfacePoint]) -> f64 {
+    let off = |(uv, p): (&DVec2, &SurfacePoint)| skin.at(*uv).distance(p.position + offset_mm * p.normal());
     places.iter().zip(exact).map(off).fold(0.0, f64::max)
-}
-
-/// `S + d·n` through the knots of a lattice over the surface's domain, or a little more of it.
-fn offset_skin(surface: &UniformBicubic, offset_mm: f64, spacing_mm: f64) -> UniformBicubic {
-    if offset_mm == 0.0 {
-        return surface.clone();
-    }
-    let (lower, upper) = surface.domain();
-    let cells = ((upper - lower) / spacing_mm - CELL_ROUNDING).ceil();
-    let inner = [cells.x as usize + 1, cells.y as usize + 1];
-    let through = |k: usize| {
-        let p = surface.at(lower + spacing_mm * DVec2::new((k / inner[1]) as f64, (k % inner[1]) as f64));
-        p.position + offset_mm * p.normal()
-    };
-    let values: Vec<_> = (0..inner[0] * inner[1]).map(through).collect();
-    // A lattice of four poles has too few knots for the end conditions; one of half the spacing has five.
-    UniformBicubic::interpolating(lower - spacing_mm, spacing_mm, inner.map(|n| n + 2), &values)
-        .unwrap_or_else(|_| offset_skin(surface, offset_mm, 0.5 * spacing_mm))
 }
 
 #[cfg(test)]
@@ -351,7 +350,6 @@ mod tests {
             make_board(&shapes::sheet(shapes::rectangle(160.0, 60.0), fold), &options(12.0, Placement::Mid));
         let board = board.unwrap();
         assert!(board.offset_error_mm <= OFFSET_ERROR_MM, "{}", board.offset_error_mm);
-        assert!(board.lower.spacing_mm <= 10.0);
     }
 
     #[test]
@@ -359,7 +357,7 @@ mod tests {
         let sheet = shapes::cylinder(shapes::ellipse(80.0, 50.0));
         let board = make_board(&sheet, &options(8.0, Placement::Mid)).unwrap();
         let rest = crate::stability(&board.points(2.0).unwrap(), board.barycenter_mm, 0.2).unwrap();
-        assert!((rest.ground_z_mm + 4.0).abs() < 1e-3 && rest.stable, "{rest:?}");
+        assert!((rest.ground_z_mm + 4.0).abs() < OFFSET_ERROR_MM && rest.stable, "{rest:?}");
         // Contact reaches x = sqrt(2 R·0.2) = 7.8 mm to each side on the lower skin's radius 154.
         assert!((rest.margin_mm - 7.8).abs() < 2.0, "{}", rest.margin_mm);
         assert!((board.area_mid_mm2 / (PI * 80.0 * 50.0) - 1.0).abs() < 1e-3);

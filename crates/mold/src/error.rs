@@ -44,6 +44,19 @@ pub enum MoldError {
         /// Largest thickness whose skins stay clear of every centre of curvature, mm.
         largest_thickness_mm: f64,
     },
+    /// The board would pass through itself: two parts of the sheet are nearer to each other than it is thick.
+    #[error(
+        "the board of {thickness_mm:.2} mm passes through itself: the sheet's parts at (u, v) = ({:.1}, {:.1}) and ({:.1}, {:.1}) \
+         are nearer to each other than that; {}", at[0].x, at[0].y, at[1].x, at[1].y, thinner(*largest_thickness_mm)
+    )]
+    Crosses {
+        /// Places of both on the sheet, mm.
+        at: [DVec2; 2],
+        /// The thickness asked for, mm.
+        thickness_mm: f64,
+        /// Largest thickness at which no parts meet, mm; next to nothing where the sheet itself passes through itself.
+        largest_thickness_mm: f64,
+    },
     /// A library could not do its part.
     #[error("{what}: {source}")]
     Kernel {
@@ -98,7 +111,7 @@ impl MoldError {
     pub fn place(&self) -> (&'static str, &'static str) {
         match self {
             Self::Option { table, key, .. } => (table, key),
-            Self::OffsetTooThick { .. } => ("board", "thickness_mm"),
+            Self::OffsetTooThick { .. } | Self::Crosses { .. } => ("board", "thickness_mm"),
             Self::PartTooLarge { .. } => ("mold", "cell_mm"),
             Self::BoardTooLarge { .. } => ("waffle", "stock_mm"),
             Self::Surface(_) | Self::NoSheet { .. } | Self::Kernel { .. } | Self::Invalid { .. } => ("", ""),
@@ -109,6 +122,17 @@ impl MoldError {
     pub fn is_defect(&self) -> bool {
         matches!(self, Self::Surface(_) | Self::NoSheet { .. } | Self::Kernel { .. })
     }
+}
+
+/// The mend of a board that passes through itself.
+fn thinner(largest_mm: f64) -> String {
+    /// Thinner than any sheet: what is left of halving nothing.
+    const NOTHING_MM: f64 = 0.01;
+    if largest_mm > NOTHING_MM {
+        let least = (100.0 * largest_mm).floor() / 100.0;
+        return format!("the thickest board that works is {least:.2} mm with this placement, or fold less");
+    }
+    "no board of it is thin enough; fold less".to_owned()
 }
 
 /// Names what was being made when a library failed.

@@ -33,21 +33,31 @@ impl TrimIndex {
     /// # Errors
     /// No closed outline of positive area, or one that leaves the surface's domain.
     pub(crate) fn new(sheet: &SheetSurface) -> Result<Self, MoldError> {
-        let nothing = |fault: &str| Err(MoldError::NoSheet { fault: fault.into() });
         sheet.spline.check()?;
-        if sheet.trim.is_empty() || sheet.trim.iter().any(|c| !c.is_closed()) {
-            return nothing("no outline, or a curve that is not closed");
-        }
-        if sheet.trim.iter().map(|c| c.signed_area_mm2()).sum::<f64>() <= 0.0 {
-            return nothing("its area is not positive");
-        }
-        let loops: Vec<_> = sheet.trim.iter().map(|c| c.flatten(INSIDE_CHORD_MM)).collect();
-        let (lower, upper) = polygon::bounds(&loops[0]);
+        let index = Self::of_trim(&sheet.trim)?;
+        let (lower, upper) = polygon::bounds(&index.loops[0]);
         let (domain_lower, domain_upper) = sheet.spline.domain();
         let slack = DVec2::splat(INSIDE_CHORD_MM);
         if lower.cmplt(domain_lower - slack).any() || upper.cmpgt(domain_upper + slack).any() {
-            return nothing("the outline leaves the surface's domain");
+            return Err(MoldError::NoSheet { fault: "the outline leaves the surface's domain".into() });
         }
+        Ok(index)
+    }
+
+    /// The trim by itself.
+    ///
+    /// # Errors
+    /// No closed outline of positive area.
+    pub(crate) fn of_trim(trim: &[PlanarCurve]) -> Result<Self, MoldError> {
+        let nothing = |fault: &str| Err(MoldError::NoSheet { fault: fault.into() });
+        if trim.is_empty() || trim.iter().any(|c| !c.is_closed()) {
+            return nothing("no outline, or a curve that is not closed");
+        }
+        if trim.iter().map(|c| c.signed_area_mm2()).sum::<f64>() <= 0.0 {
+            return nothing("its area is not positive");
+        }
+        let loops: Vec<_> = trim.iter().map(|c| c.flatten(INSIDE_CHORD_MM)).collect();
+        let (lower, upper) = polygon::bounds(&loops[0]);
         Ok(Self::of_loops(loops, lower, upper))
     }
 

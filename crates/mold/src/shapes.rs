@@ -12,14 +12,23 @@ const MARGIN: f64 = 3.0;
 
 /// The surface through `f` over a lattice around the outline.
 pub(crate) fn sheet(outline: PlanarCurve, f: impl Fn(DVec2) -> DVec3) -> SheetSurface {
+    sheet_of_spacing(outline, SPACING_MM, f)
+}
+
+/// The same over a lattice of another spacing.
+pub(crate) fn sheet_of_spacing(
+    outline: PlanarCurve,
+    spacing_mm: f64,
+    f: impl Fn(DVec2) -> DVec3,
+) -> SheetSurface {
     let (lower, upper) = polygon::bounds(&outline.flatten(0.1));
-    let first = (lower / SPACING_MM).floor() - MARGIN;
-    let last = (upper / SPACING_MM).ceil() + MARGIN;
+    let first = (lower / spacing_mm).floor() - MARGIN;
+    let last = (upper / spacing_mm).ceil() + MARGIN;
     let inner = [(last.x - first.x) as usize + 1, (last.y - first.y) as usize + 1];
-    let knot = |k: usize| SPACING_MM * (first + DVec2::new((k / inner[1]) as f64, (k % inner[1]) as f64));
+    let knot = |k: usize| spacing_mm * (first + DVec2::new((k / inner[1]) as f64, (k % inner[1]) as f64));
     let values: Vec<_> = (0..inner[0] * inner[1]).map(|k| f(knot(k))).collect();
-    let origin = SPACING_MM * (first - 1.0);
-    let spline = UniformBicubic::interpolating(origin, SPACING_MM, inner.map(|n| n + 2), &values).unwrap();
+    let origin = spacing_mm * (first - 1.0);
+    let spline = UniformBicubic::interpolating(origin, spacing_mm, inner.map(|n| n + 2), &values).unwrap();
     SheetSurface { spline, trim: vec![outline], deviation: Deviation::default() }
 }
 

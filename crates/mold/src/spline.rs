@@ -1,7 +1,7 @@
 //! A sheet's surface and trim in the form OpenCascade takes.
 
-use softfold_geometry::{PlanarCurve, RigidTransform, Segment, SheetSurface, UniformBicubic};
-use softfold_kernel::occt::{self, BsplineSurface, Shape, TrimCurve};
+use softfold_geometry::{PlanarCurve, RigidTransform, Segment, SheetShell, SheetSurface, UniformBicubic};
+use softfold_kernel::occt::{self, BsplineSurface, Shape, ShellTopology, TrimCurve};
 
 /// The same surface, its knots uniform and single throughout.
 pub(crate) fn bspline(surface: &UniformBicubic) -> BsplineSurface {
@@ -36,6 +36,25 @@ fn trim_curve(segment: &Segment) -> TrimCurve {
 /// A trim that OpenCascade cannot put on the surface.
 pub fn face(sheet: &SheetSurface) -> softfold_kernel::Result<Shape> {
     occt::trimmed_face(&bspline(&sheet.spline), &trim_loops(&sheet.trim))
+}
+
+/// The sheet as several trimmed faces that share their edges.
+///
+/// # Errors
+/// Edges that OpenCascade cannot put on the surfaces; a shell that it does not find valid.
+pub fn shell(sheet: &SheetShell) -> softfold_kernel::Result<Shape> {
+    let surfaces: Vec<_> = sheet.faces.iter().map(|f| bspline(&f.spline)).collect();
+    occt::sheet_shell(&surfaces, &topology(sheet))
+}
+
+fn topology(sheet: &SheetShell) -> ShellTopology {
+    ShellTopology {
+        edges: sheet.edges.iter().map(|e| (trim_curve(&e.segment), e.corners)).collect(),
+        corners: sheet.corners,
+        faces: (sheet.faces.iter())
+            .map(|f| f.loops.iter().map(|l| l.iter().map(|u| (u.edge, u.reversed)).collect()).collect())
+            .collect(),
+    }
 }
 
 /// The sheet in another place.

@@ -120,8 +120,12 @@ pub(crate) fn thicken(patch: &Patch, thickness_mm: f64) -> TriMesh {
 /// The closed solid between a patch and its image straight below: the patch on top, its mirror below, a wall of two
 /// triangles under each border edge.
 pub(crate) fn solid_down_to(patch: &Patch, below: impl Fn(DVec3) -> DVec3) -> TriMesh {
+    solid_between(patch, patch.positions.iter().map(|p| below(*p)))
+}
+
+/// The same down to given places, one for each vertex.
+pub(crate) fn solid_between(patch: &Patch, bottom: impl IntoIterator<Item = DVec3>) -> TriMesh {
     let n = patch.positions.len() as u32;
-    let bottom = patch.positions.iter().map(|p| below(*p));
     let positions = patch.positions.iter().copied().chain(bottom).collect();
     let mut triangles = patch.triangles.clone();
     triangles.extend(patch.triangles.iter().map(|&[a, b, c]| [a + n, c + n, b + n]));

@@ -27,6 +27,13 @@ pub(crate) struct Patch {
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
+/// A triangulation of the sheet's (u, v) inside its trim.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct FlatPatch {
+    pub(crate) points: Vec<DVec2>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
 /// Triangulates the trimmed surface: constrained Delaunay in (u, v), points as dense as the second derivatives ask for.
 ///
 /// Between points at steps (a, b) a linear triangle leaves `(a²|S_uu| + 2ab|S_uv| + b²|S_vv|)/8` along the normal; the
@@ -36,6 +43,17 @@ pub(crate) fn triangulate(
     index: &TrimIndex,
     chord_mm: f64,
 ) -> Result<Patch, MoldError> {
+    let flat = flat_triangles(sheet, index, chord_mm)?;
+    let positions = flat.points.iter().map(|&p| sheet.spline.at(p).position).collect();
+    Ok(Patch { positions, triangles: flat.triangles })
+}
+
+/// The same before it is lifted into space.
+pub(crate) fn flat_triangles(
+    sheet: &SheetSurface,
+    index: &TrimIndex,
+    chord_mm: f64,
+) -> Result<FlatPatch, MoldError> {
     let mut points = Vec::new();
     let mut constraints = Vec::new();
     for curve in &sheet.trim {
@@ -46,11 +64,27 @@ pub(crate) fn triangulate(
     }
     points.extend(inner(&sheet.spline, index, chord_mm));
     let flat: Vec<[f64; 2]> = points.iter().map(DVec2::to_array).collect();
-    let cdt = cgal::constrained_delaunay(&flat, &constraints).during(|| "the mold's upper surface".into())?;
+    let cdt = cgal::constrained_delaunay(&flat, &constraints).during(|| "triangles of the sheet".into())?;
     let borders: BTreeSet<[u32; 2]> = cdt.constraints.iter().map(|c| sorted(c.vertices)).collect();
     let triangles = inside(&cdt.triangles, &borders);
-    let positions = cdt.points.iter().map(|&p| sheet.spline.at(DVec2::from(p)).position).collect();
-    Ok(Patch { positions, triangles }.compact())
+    let points: Vec<DVec2> = cdt.points.iter().map(|&p| p.into()).collect();
+    let (points, triangles) = compacted(&points, &triangles);
+    Ok(FlatPatch { points, triangles })
+}
+
+/// Without the points that no triangle uses.
+fn compacted<T: Copy>(points: &[T], triangles: &[[u32; 3]]) -> (Vec<T>, Vec<[u32; 3]>) {
+    let mut renamed = vec![u32::MAX; points.len()];
+    let mut kept = Vec::new();
+    let mut rename = |i: u32| {
+        if renamed[i as usize] == u32::MAX {
+            renamed[i as usize] = kept.len() as u32;
+            kept.push(points[i as usize]);
+        }
+        renamed[i as usize]
+    };
+    let triangles = triangles.iter().map(|t| t.map(&mut rename)).collect();
+    (kept, triangles)
 }
 
 /// Points along a border curve, the first not repeated.
@@ -173,16 +207,7 @@ impl Patch {
 
     /// Without the vertices that no triangle uses.
     pub(crate) fn compact(&self) -> Self {
-        let mut renamed = vec![u32::MAX; self.positions.len()];
-        let mut positions = Vec::new();
-        let mut rename = |i: u32| {
-            if renamed[i as usize] == u32::MAX {
-                renamed[i as usize] = positions.len() as u32;
-                positions.push(self.positions[i as usize]);
-            }
-            renamed[i as usize]
-        };
-        let triangles = self.triangles.iter().map(|t| t.map(&mut rename)).collect();
+        let (positions, triangles) = compacted(&self.positions, &self.triangles);
         Self { positions, triangles }
     }
 

@@ -4,12 +4,13 @@ use crate::export::dxf::{Drawing, Entity, Layer, colour};
 use crate::export::{fold, obj, off, ply, stl, threemf};
 use crate::output::Staging;
 use crate::pictures::{area_scale, on_stock, pictures, strip};
+use crate::project::{Export, ShapeFormat};
 use crate::report::{html, json, mesh_plan::mesh_svg};
 use crate::shape_pictures::surface_ply;
 use crate::stages::{Loaded, Results};
 use crate::{RunError, record};
 use softfold_geometry::{DVec2, DVec3, FlatMesh, PlanarCurve, SoftPattern, TriMesh};
-use softfold_kernel::occt::{self, NamedShape, Shape, StepOptions, StepSchema};
+use softfold_kernel::occt::{self, IgesOptions, Material, NamedShape, Shape, StepOptions};
 use softfold_kernel::{KernelError, openmesh};
 use softfold_mold::{Contour, Mold, Part, Placed, ProfileSegment, WaffleBoard};
 use std::path::Path;
@@ -28,6 +29,20 @@ struct Writer<'a> {
     staging: &'a Staging,
     files: Vec<json::File>,
     name: String,
+    export: &'a Export,
+    /// The board's.
+    material: Material<'a>,
+}
+
+/// An exact shape that goes into files of all formats that are asked for.
+struct Exact<'a> {
+    /// Path without the ending.
+    path: &'a str,
+    purpose: &'a str,
+    name: &'a str,
+    color_srgb: [f32; 3],
+    material: Option<Material<'a>>,
+    shape: &'a Shape,
 }
 
 /// Writes everything a run has made into `out` and gives the report. The folder is as it was if anything fails.
@@ -37,7 +52,14 @@ struct Writer<'a> {
 pub fn write(loaded: &Loaded, results: &mut Results, out: &Path) -> Result<json::Report, RunError> {
     let start = Instant::now();
     let staging = Staging::beside(out)?;
-    let mut writer = Writer { staging: &staging, files: Vec::new(), name: loaded.name() };
+    let of = &loaded.project.material;
+    let mut writer = Writer {
+        staging: &staging,
+        files: Vec::new(),
+        name: loaded.name(),
+        export: &loaded.project.export,
+        material: Material { name: &of.name, density_kg_m3: of.density_kg_m3 },
+    };
     writer.patterns(results)?;
     writer.meshes(results)?;
     writer.surfaces(results)?;
@@ -66,24 +88,28 @@ fn unwritten(error: &KernelError) -> RunError {
     }
 }
 
-/// A STEP file that does not come back as it was written would surprise somebody at a machine.
-fn require_read_back(file: &Path, name: &str, shape: &Shape) -> Result<(), RunError> {
-    let parts = occt::read_step(file).map_err(defect)?;
+/// A file that does not come back as it was written would surprise somebody at a machine.
+fn require_read_back(found: &[&Shape], file: &str, shape: &Shape) -> Result<(), RunError> {
     let wanted = occt::counts(shape).map_err(defect)?;
-    let found = match parts.as_slice() {
-        [part] if part.name == name => occt::counts(&part.shape).map_err(defect)?,
-        _ => {
-            return Err(RunError::Defect(format!(
-                "{name}: the STEP file reads back as {} parts",
-                parts.len()
-            )));
-        }
+    let [found] = found else {
+        return Err(RunError::Defect(format!("{file} reads back as {} parts", found.len())));
     };
+    let found = occt::counts(found).map_err(defect)?;
     if (found.solids, found.faces) == (wanted.solids, wanted.faces) {
         return Ok(());
     }
-    Err(RunError::Defect(format!("{name}: the STEP file reads back as {found:?}, not {wanted:?}")))
+    Err(RunError::Defect(format!("{file} reads back as {found:?}, not {wanted:?}")))
 }
+
+impl<'a> Exact<'a> {
+    fn named(&self) -> NamedShape<'a> {
+        let Self { name, color_srgb, material, shape, .. } = *self;
+        NamedShape { name, color_srgb, material, shape }
+    }
+}
+
+/// What the files say made them.
+const SYSTEM: &str = concat!("softfold ", env!("CARGO_PKG_VERSION"));
 
 impl Writer<'_> {
     fn add(&mut self, path: &str, purpose: &str, bytes: impl AsRef<[u8]>) -> Result<(), RunError> {
@@ -96,26 +122,55 @@ impl Writer<'_> {
         self.files.push(json::File { path: path.to_owned(), purpose: purpose.to_owned() });
     }
 
-    fn step(
-        &mut self,
-        path: &str,
-        purpose: &str,
-        name: &str,
-        shape: &Shape,
-        color_srgb: [f32; 3],
-    ) -> Result<(), RunError> {
+    /// Writes a shape in every format that is asked for, and reads it back.
+    fn exact(&mut self, exact: &Exact<'_>) -> Result<(), RunError> {
+        for format in [ShapeFormat::Step, ShapeFormat::Iges, ShapeFormat::Brep] {
+            if self.export.wants(format) {
+                let path = format!("{}.{}", exact.path, format.ending());
+                let file = self.staging.path(&path)?;
+                match format {
+                    ShapeFormat::Step => self.step(exact, &file)?,
+                    ShapeFormat::Iges => self.iges(exact, &file)?,
+                    ShapeFormat::Brep => self.brep(exact, &file)?,
+                }
+                self.listed(&path, exact.purpose);
+            }
+        }
+        Ok(())
+    }
+
+    fn step(&self, exact: &Exact<'_>, file: &Path) -> Result<(), RunError> {
         let options = StepOptions {
-            schema: StepSchema::Ap214,
-            product: name.to_owned(),
-            system: format!("softfold {}", env!("CARGO_PKG_VERSION")),
+            schema: self.export.step_schema.step(),
+            product: exact.name.to_owned(),
+            system: SYSTEM.to_owned(),
             ..StepOptions::default()
         };
-        let file = self.staging.path(path)?;
-        occt::write_step(&file, &[NamedShape { name, color_srgb, shape }], &options)
-            .map_err(|e| unwritten(&e))?;
-        require_read_back(&file, name, shape)?;
-        self.listed(path, purpose);
-        Ok(())
+        occt::write_step(file, &[exact.named()], &options).map_err(|e| unwritten(&e))?;
+        let parts = occt::read_step(file).map_err(defect)?;
+        if parts.iter().any(|p| p.name != exact.name) {
+            return Err(RunError::Defect(format!(
+                "{}: the STEP file reads back under another name",
+                exact.name
+            )));
+        }
+        let shapes: Vec<&Shape> = parts.iter().map(|p| &p.shape).collect();
+        require_read_back(&shapes, &file.display().to_string(), exact.shape)
+    }
+
+    fn iges(&self, exact: &Exact<'_>, file: &Path) -> Result<(), RunError> {
+        let product = exact.name.to_owned();
+        let options = IgesOptions { product, system: SYSTEM.to_owned(), ..IgesOptions::default() };
+        occt::write_iges(file, &[exact.named()], &options).map_err(|e| unwritten(&e))?;
+        let parts = occt::read_iges(file).map_err(defect)?;
+        let shapes: Vec<&Shape> = parts.iter().map(|p| &p.shape).collect();
+        require_read_back(&shapes, &file.display().to_string(), exact.shape)
+    }
+
+    fn brep(&self, exact: &Exact<'_>, file: &Path) -> Result<(), RunError> {
+        occt::write_brep(file, exact.shape).map_err(|e| unwritten(&e))?;
+        let shape = occt::read_brep(file).map_err(defect)?;
+        require_read_back(&[&shape], &file.display().to_string(), exact.shape)
     }
 
     fn patterns(&mut self, results: &Results) -> Result<(), RunError> {
@@ -184,26 +239,40 @@ impl Writer<'_> {
 
     fn surfaces(&mut self, results: &Results) -> Result<(), RunError> {
         if let Some(s) = &results.surface {
-            let cage = &s.fitted.cage;
-            self.add(
-                "cage.obj",
-                "the quad cage, for subdivision modelling",
-                obj::cage(&self.name, &cage.positions, &cage.quads),
-            )?;
+            let cages: Vec<_> = s.cages().iter().map(|c| (&c.positions[..], &c.quads[..])).collect();
+            let text = obj::cages(&self.name, &cages);
+            self.add("cage.obj", "the quad cage of every face, for subdivision modelling", text)?;
             let shown = surface_ply(&self.name, &s.shape);
             self.add("surface.ply", "the surface with curvatures, radii, strains and rulings", shown)?;
-            self.step("sheet.step", "the folded sheet's surface", "sheet", &s.face, SHEET_COLOUR)?;
+            self.exact(&Exact {
+                path: "sheet",
+                purpose: "the folded sheet's surface",
+                name: "sheet",
+                color_srgb: SHEET_COLOUR,
+                material: None,
+                shape: s.exported(),
+            })?;
         }
-        match &results.board {
-            Some(board) => {
-                self.step("board.step", "the board as a solid", "board", &board.shape, SHEET_COLOUR)
-            }
-            None => Ok(()),
-        }
+        let Some(board) = &results.board else { return Ok(()) };
+        self.exact(&Exact {
+            path: "board",
+            purpose: "the board as a solid",
+            name: "board",
+            color_srgb: SHEET_COLOUR,
+            material: Some(self.material),
+            shape: &board.shape,
+        })
     }
 
     fn mold(&mut self, mold: &Mold, stock_mm: [f64; 2]) -> Result<(), RunError> {
-        self.step("mold.step", "the mold as a solid", "mold", &mold.shape, MOLD_COLOUR)?;
+        self.exact(&Exact {
+            path: "mold",
+            purpose: "the mold as a solid",
+            name: "mold",
+            color_srgb: MOLD_COLOUR,
+            material: None,
+            shape: &mold.shape,
+        })?;
         for part in &mold.parts {
             self.part(part)?;
         }
@@ -225,13 +294,15 @@ impl Writer<'_> {
         let package =
             threemf::package(name, &[threemf::Object { name, mesh: &part.solid }]).map_err(defect)?;
         self.add(&format!("parts/{name}.3mf"), "a printed part, named, in mm", package)?;
-        match &part.shape {
-            Some(shape) => {
-                let purpose = "a part as exact solid, without grooves and marks";
-                self.step(&format!("parts/{name}.step"), purpose, name, shape, MOLD_COLOUR)
-            }
-            None => Ok(()),
-        }
+        let Some(shape) = &part.shape else { return Ok(()) };
+        self.exact(&Exact {
+            path: &format!("parts/{name}"),
+            purpose: "a part as exact solid, without grooves and marks",
+            name,
+            color_srgb: MOLD_COLOUR,
+            material: None,
+            shape,
+        })
     }
 
     /// The report is last: it lists all files, itself included.

@@ -5,6 +5,7 @@
 
 pub mod compare;
 pub mod crosscheck;
+mod cuts;
 pub mod diagnose;
 pub mod error;
 pub mod export;
@@ -25,6 +26,7 @@ mod softness;
 pub mod stages;
 pub mod starter;
 pub mod states;
+mod surfaces;
 
 pub use error::RunError;
 pub use project::Project;

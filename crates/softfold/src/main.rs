@@ -3,7 +3,7 @@ use clap::{Args, Parser, Subcommand};
 use softfold::compare::{self, Align, CompareOptions, Points, What};
 use softfold::patterns::{self, WriteOptions};
 use softfold::progress::{Bars, Events, Lines, Progress, Quiet};
-use softfold::project::{Outline, Read, Roles};
+use softfold::project::{Outline, Read, Roles, Schema, ShapeFormat};
 use softfold::report::{json::Report, summary};
 use softfold::scan::{self, ScanOptions};
 use softfold::{Loaded, RunError, Stage, crosscheck, diagnose, files, output, starter};
@@ -232,6 +232,12 @@ struct Job {
     /// End with status 3 if a verdict fails
     #[arg(long)]
     strict: bool,
+    /// Formats of exact shapes, in place of the project's: step, iges, brep
+    #[arg(long = "formats", value_delimiter = ',', value_name = "FORMAT")]
+    formats: Vec<ShapeFormat>,
+    /// Application protocol of STEP files, in place of the project's
+    #[arg(long)]
+    step_schema: Option<Schema>,
     #[command(flatten)]
     voice: Voice,
 }
@@ -307,7 +313,12 @@ impl Voice {
 }
 
 fn run(job: &Job, until: Stage) -> Result<u8, RunError> {
-    let loaded = Loaded::read(&job.project)?;
+    let mut loaded = Loaded::read(&job.project)?;
+    let export = &mut loaded.project.export;
+    export.step_schema = job.step_schema.unwrap_or(export.step_schema);
+    if !job.formats.is_empty() {
+        export.formats = job.formats.clone();
+    }
     output::Staging::rehearse(&job.out, files::FIRST)?;
     let mut progress = job.voice.progress();
     let mut results = softfold::run(&loaded, until, progress.as_mut())?;

@@ -12,6 +12,7 @@ use crate::states::State;
 use softfold_fold::Verdict;
 use softfold_geometry::{DVec2, DVec3, EdgeClass, FoldedSheet, polygon};
 use softfold_mold::{Mold, Placed, WaffleBoard};
+use softfold_surface::subd::Conforming;
 
 /// Width of a view, px.
 const WIDTH_PX: u32 = 620;
@@ -38,6 +39,9 @@ pub fn pictures(results: &Results) -> Result<Pictures, RunError> {
     if let (Some(soft), Some(s)) = (&results.soft, &results.surface) {
         pictures.surface = shape_pictures::pictures(&s.shape, &soft.loops)?;
         pictures.rulings_svg = shape_pictures::rulings_svg(&s.shape, soft);
+    }
+    if let Some(subd) = results.surface.as_ref().and_then(|s| s.subd.as_ref()) {
+        pictures.views.extend(cage_views(&subd.made)?);
     }
     if let (Some(rest), Some(fold)) = (&results.stability, &results.fold) {
         let plan: Vec<DVec2> =
@@ -127,6 +131,31 @@ pub(crate) fn strip(states: &[State]) -> Result<Picture, RunError> {
         png,
         legend: None,
     })
+}
+
+/// The cage in the flat sheet and in space.
+fn cage_views(made: &Conforming) -> Result<Vec<Picture>, RunError> {
+    let flat: Vec<DVec3> = made.flat.iter().map(|p| p.extend(0.0)).collect();
+    let above = View::new("flat", 0.0, 90.0);
+    let mut views = vec![cage_view(&flat, &made.cage.quads, &above)?];
+    for view in View::standard() {
+        views.push(cage_view(&made.cage.positions, &made.cage.quads, &view)?);
+    }
+    Ok(views)
+}
+
+fn cage_view(positions: &[DVec3], quads: &[[u32; 4]], view: &View) -> Result<Picture, RunError> {
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let mesh = SceneMesh { positions: positions.to_vec(), triangles, colours: Colours::Uniform(PLAIN) };
+    let line = |q: &[u32; 4]| SceneLine {
+        points: [0, 1, 2, 3, 0].map(|k| positions[q[k] as usize]).to_vec(),
+        colour: INK,
+        width_px: 0.6,
+    };
+    let scene = Scene { meshes: vec![mesh], lines: quads.iter().map(line).collect(), ground_mm: None };
+    let size = fitting_size(&scene, view, WIDTH_PX, HEIGHTS_PX);
+    let png = render(&scene, view, size).map_err(|e| RunError::Defect(e.to_string()))?;
+    Ok(Picture { title: format!("cage, {}", view.name), png, legend: None })
 }
 
 fn scene_mesh(sheet: &FoldedSheet, colours: Colours) -> SceneMesh {

@@ -2,13 +2,17 @@
 
 use crate::report::json;
 use crate::shape::radius_limit_mm;
-use crate::stages::{AnalyseResult, FoldResult, Loaded, MeshResult, Results, SurfaceResult};
+use crate::stages::{AnalyseResult, FoldResult, Loaded, MeshResult, Results, SubdResult, SurfaceResult};
 use crate::states::{SpringBack, State};
 use softfold_fold::Clearance;
-use softfold_geometry::{Band, Crease, CreasePattern, DVec2, DVec3, SoftPattern, Softness};
+use softfold_geometry::{
+    Band, Crease, CreasePattern, DVec2, DVec3, SheetShell, ShellEdgeKind, SoftPattern, Softness,
+};
 use softfold_mesh::Crosscheck;
 use softfold_mold::{Board, Mold, Rest};
 use softfold_soften::BandFigures;
+use softfold_surface::subd::JoinAngle;
+use softfold_surface::{CutKind, FittedShell};
 
 /// The report of a run; its list of files is empty.
 pub fn report(loaded: &Loaded, results: &Results) -> json::Report {
@@ -16,7 +20,7 @@ pub fn report(loaded: &Loaded, results: &Results) -> json::Report {
     report.mesh = results.mesh.as_ref().map(mesh);
     report.fold = results.fold.as_ref().map(|f| fold(results, f));
     report.analyse = results.analyse.as_ref().map(|a| analyse(loaded, results, a));
-    report.surface = results.surface.as_ref().map(surface);
+    report.surface = results.surface.as_ref().map(|s| surface(results, s));
     report.board = results.board.as_ref().map(board);
     report.stability = results.stability.as_ref().map(|s| stability(results, s));
     report.mold = results.mold.as_ref().map(|m| mold(results, m));
@@ -207,19 +211,82 @@ fn analyse(loaded: &Loaded, results: &Results, a: &AnalyseResult) -> json::Analy
     }
 }
 
-fn surface(s: &SurfaceResult) -> json::Surface {
-    let surface = &s.fitted.surface;
+fn surface(results: &Results, s: &SurfaceResult) -> json::Surface {
+    let (deviation, one) = (s.deviation(), s.fitted.as_ref().map(|f| (f.surface.spline.count, f.spacing_mm)));
+    let several = s.shell.as_ref().map(|f| (most_poles(&f.shell), f.spacing_mm));
+    let (poles, spacing_mm) = several.or(one).unwrap_or_default();
     json::Surface {
-        faces: 1,
-        poles: surface.spline.count,
-        spacing_mm: s.fitted.spacing_mm,
-        max_deviation_mm: surface.deviation.max_mm,
-        rms_deviation_mm: surface.deviation.rms_mm,
-        max_deviation_at: pair(surface.deviation.at),
+        faces: s.faces(),
+        poles,
+        spacing_mm,
+        max_deviation_mm: deviation.max_mm,
+        rms_deviation_mm: deviation.rms_mm,
+        max_deviation_at: pair(deviation.at),
         face_distance_mm: s.face_distance_mm,
-        valid: s.faults.is_empty(),
+        valid: s.all_faults().is_empty(),
+        shell: s.shell.as_ref().map(|f| shell(results, f, s.edge_tolerance_mm)),
         shape: Some(s.shape.figures(&s.analysis)),
+        cage: s.subd.as_ref().map(cage),
     }
+}
+
+fn most_poles(shell: &SheetShell) -> [usize; 2] {
+    let counts = shell.faces.iter().map(|f| f.spline.count);
+    counts.max_by_key(|[u, v]| u * v).unwrap_or_default()
+}
+
+fn shell(results: &Results, fitted: &FittedShell, edge_tolerance_mm: f64) -> json::Shell {
+    let shell = &fitted.shell;
+    json::Shell {
+        creases: shell.count(ShellEdgeKind::Crease),
+        smooth_edges: shell.count(ShellEdgeKind::Smooth),
+        slit_lips: shell.count(ShellEdgeKind::Slit),
+        poles: shell.faces.iter().map(|f| f.spline.poles.len()).sum(),
+        gap_mm: shell.gap_mm.value,
+        gap_at: pair(shell.gap_mm.at),
+        edge_tolerance_mm,
+        rounded: fitted.lost.iter().map(|cut| cut_name(results, cut)).collect(),
+    }
+}
+
+fn cut_name(results: &Results, cut: &CutKind) -> String {
+    match cut {
+        CutKind::Slit => "a slit".to_owned(),
+        CutKind::Crease { crease, .. } => {
+            let name = results.pattern.as_ref().and_then(|p| p.creases.get(crease.index())).map(|c| &c.name);
+            name.cloned().unwrap_or_else(|| format!("crease {crease}"))
+        }
+    }
+}
+
+fn cage(s: &SubdResult) -> json::Cage {
+    let (made, q) = (&s.made, &s.made.quality);
+    let irregular = q.irregular.iter().map(|&(at, valence)| json::Irregular { at: pair(at), valence });
+    let excused = q.excused.iter().map(|e| placed_angle(e.at, e.angle_rad));
+    let degrees = |j: Option<JoinAngle>| j.map(|j| j.angle_rad.to_degrees());
+    json::Cage {
+        quads: q.quads,
+        inner_vertices: q.inner_vertices,
+        valence_4_share: q.valence_4_share(),
+        irregular: irregular.collect(),
+        min_angle_deg: q.min_angle_rad.to_degrees(),
+        min_angle_at: pair(q.min_angle_at),
+        excused: excused.collect(),
+        rows_along_bands: q.rows_along_bands,
+        cell_mm: made.cell_mm,
+        cells_per_strip: made.cells_per_strip,
+        border_mm: made.border_mm,
+        patches: made.patches,
+        faces: made.surface.faces.len(),
+        gap_mm: s.gap_mm,
+        g1_regular_deg: degrees(made.joins.regular),
+        g1_irregular_deg: degrees(made.joins.irregular),
+        rough: made.joins.rough.iter().map(|j| placed_angle(j.at, j.angle_rad)).collect(),
+    }
+}
+
+fn placed_angle(at: DVec2, angle_rad: f64) -> json::PlacedAngle {
+    json::PlacedAngle { at: pair(at), angle_deg: angle_rad.to_degrees() }
 }
 
 fn board(b: &Board) -> json::Board {
@@ -230,6 +297,12 @@ fn board(b: &Board) -> json::Board {
         area_times_thickness_mm3: b.area_mid_mm2 * b.thickness_mm,
         mass_kg: b.mass_kg,
         barycenter_mm: triple(b.barycenter_mm),
+        inertia_kg_mm2: b.inertia.tensor_kg_mm2.transpose().to_cols_array_2d(),
+        principal_moments_kg_mm2: b.inertia.principal_kg_mm2,
+        principal_axes: b.inertia.axes.map(triple),
+        offset_volume_mm3: b.offset_volume_mm3,
+        mesh_volume_mm3: b.mesh_volume_mm3,
+        trimmed_mm3: b.trimmed.map(|t| t.removed_mm3),
         min_radius_mm: finite(b.min_radius_mm.iter().map(|r| r.radius_mm).fold(f64::INFINITY, f64::min)),
         offset_error_mm: b.offset_error_mm,
         // make_board refuses a solid that is not valid.
@@ -308,6 +381,7 @@ fn verdicts(loaded: &Loaded, results: &Results) -> Vec<json::Verdict> {
     results.analyse.iter().for_each(|a| all.extend(sheet_verdicts(loaded, a)));
     results.surface.iter().for_each(|s| all.extend(surface_verdicts(loaded, s)));
     results.board.iter().for_each(|b| all.extend(radius_verdict(loaded, b)));
+    results.board.iter().for_each(|b| all.push(volume_verdict(b)));
     results.stability.iter().for_each(|s| all.push(stability_verdict(loaded, s)));
     results.mold.iter().for_each(|m| all.extend(mold_verdicts(results, m)));
     all
@@ -380,9 +454,9 @@ fn distance_verdict(thickness_mm: f64, clearance: Option<&Clearance>) -> json::V
     verdict("self-distance", pass, figure, Some(thickness_mm), "mm", message)
 }
 
-fn surface_verdicts(loaded: &Loaded, s: &SurfaceResult) -> [json::Verdict; 2] {
+fn surface_verdicts(loaded: &Loaded, s: &SurfaceResult) -> Vec<json::Verdict> {
     let limit = loaded.project.limits.surface_deviation_mm;
-    let d = s.fitted.surface.deviation;
+    let d = s.deviation();
     let place = format!("({:.0}, {:.0}) mm on the sheet", d.at.x, d.at.y);
     let pass = d.max_mm <= limit;
     let message = match pass {
@@ -391,14 +465,36 @@ fn surface_verdicts(loaded: &Loaded, s: &SurfaceResult) -> [json::Verdict; 2] {
             format!("the surface leaves the folded sheet at {place}; give a smaller surface.tolerance_mm")
         }
     };
-    let face = match s.faults.is_empty() {
-        true => "OpenCascade finds the trimmed face valid".to_owned(),
-        false => format!("OpenCascade finds the trimmed face faulty: {}", s.faults.join("; ")),
+    let faults = s.all_faults();
+    let what = if s.subd.is_some() { "shell" } else { "trimmed face" };
+    let face = match faults.is_empty() {
+        true => format!("OpenCascade finds the {what} valid"),
+        false => format!("OpenCascade finds the {what} faulty: {}", faults.join("; ")),
     };
-    [
+    let mut all = vec![
         verdict("surface deviation", pass, Some(d.max_mm), Some(limit), "mm", message),
-        verdict("surface validity", s.faults.is_empty(), None, None, "", face),
-    ]
+        verdict("surface validity", faults.is_empty(), None, None, "", face),
+    ];
+    all.extend(s.shell.as_ref().map(watertight_verdict));
+    all
+}
+
+/// Faces that share an edge must be one curve there, and every sharp crease must be such an edge.
+fn watertight_verdict(fitted: &FittedShell) -> json::Verdict {
+    let gap = fitted.shell.gap_mm;
+    let place = format!("at ({:.0}, {:.0}) mm on the sheet", gap.at.x, gap.at.y);
+    let message = match (fitted.watertight, fitted.lost.is_empty()) {
+        (true, true) => format!("faces meet along all sharp creases; they are farthest apart {place}"),
+        (true, false) => format!(
+            "{} sharp creases or slits bound no face and are rounded; lead them to the outline or to another crease",
+            fitted.lost.len()
+        ),
+        (false, _) => format!(
+            "faces part along a crease {place}; draw it there without a jump of its curvature, or give a smaller surface.spacing_mm"
+        ),
+    };
+    let pass = fitted.watertight && fitted.lost.is_empty();
+    verdict("surface seams", pass, Some(gap.value), Some(FittedShell::GAP_MM), "mm", message)
 }
 
 fn radius_verdict(loaded: &Loaded, b: &Board) -> Option<json::Verdict> {
@@ -413,6 +509,21 @@ fn radius_verdict(loaded: &Loaded, b: &Board) -> Option<json::Verdict> {
         ),
     };
     Some(verdict("bend radius", pass, Some(tightest.radius_mm), Some(limit), "mm", message))
+}
+
+/// A board's volume and that of its triangles may differ by this share: the chord error of the triangles.
+const BOARD_VOLUME_SHARE: f64 = 1e-3;
+
+fn volume_verdict(b: &Board) -> json::Verdict {
+    let whole = b.volume_mm3 + b.trimmed.map_or(0.0, |t| t.removed_mm3);
+    let apart = (b.mesh_volume_mm3 / whole - 1.0).abs();
+    let pass = apart <= BOARD_VOLUME_SHARE;
+    let message = match pass {
+        true => "the exact board and CGAL's solid of its triangles have the same volume".to_owned(),
+        false => "the exact board and CGAL's solid of its triangles differ in volume: look at board.step where it bends most"
+            .to_owned(),
+    };
+    verdict("board volume", pass, Some(100.0 * apart), Some(100.0 * BOARD_VOLUME_SHARE), "%", message)
 }
 
 fn stability_verdict(loaded: &Loaded, rest: &Rest) -> json::Verdict {

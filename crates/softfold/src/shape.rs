@@ -3,7 +3,9 @@
 use crate::compare::refined;
 use crate::project::{self, Project};
 use crate::report::json;
-use softfold_geometry::{DVec2, DVec3, Extreme, FlatMesh, PlanarCurve, SheetSurface, TriMesh, polygon};
+use softfold_geometry::{
+    DVec2, DVec3, Extreme, FlatMesh, PlanarCurve, SheetSurface, SurfacePoint, TriMesh, polygon,
+};
 use softfold_surface::{
     BendShares, DOUBLE_BEND, LocalShape, Ruling, RulingOptions, SurfaceAnalysis, bend_shares, rulings,
 };
@@ -42,9 +44,9 @@ pub struct SheetShape {
     pub limit_mm: Option<f64>,
 }
 
-/// The shape of a surface over the flat mesh that it was made from. Triangles are halved until they are as fine as the
-/// surface's lattice.
-pub fn of(project: &Project, mesh: &FlatMesh, surface: &SheetSurface, spacing_mm: f64) -> SheetShape {
+/// The shape of a surface of one or more faces over the flat mesh that it was made from. Triangles are halved until they are
+/// as fine as the surface's lattice; rulings end at the edges of their face.
+pub fn of(project: &Project, mesh: &FlatMesh, surfaces: &[SheetSurface], spacing_mm: f64) -> SheetShape {
     let flat = TriMesh {
         positions: mesh.vertices.iter().map(|p| p.extend(0.0)).collect(),
         triangles: mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect(),
@@ -59,20 +61,48 @@ pub fn of(project: &Project, mesh: &FlatMesh, surface: &SheetSurface, spacing_mm
         flattest_radius_mm: FLATTEST * size_mm,
     };
     let places: Vec<DVec2> = fine.positions.iter().map(|p| p.truncate()).collect();
-    let shapes: Vec<LocalShape> = places.iter().map(|p| shape(surface, *p)).collect();
+    let faces: Vec<Face<'_>> = surfaces.iter().map(Face::of).collect();
+    let shapes: Vec<LocalShape> = places.iter().map(|p| shape(&faces, *p)).collect();
     let weights = corner_areas(&fine);
     let shares = bend_shares(shapes.iter().zip(weights), &options);
-    let loops: Vec<Vec<DVec2>> = surface.trim.iter().map(|c: &PlanarCurve| c.flatten(CHORD_MM)).collect();
-    let at = |p: DVec2| inside(&loops, p).then(|| surface.spline.at(p));
-    let rulings = rulings(&at, &seeds(low, high, options.spacing_mm), &options);
+    let seeds = seeds(low, high, options.spacing_mm);
+    let of_face =
+        |face: &Face<'_>| rulings(&|p| face.inside(p).then(|| face.surface.spline.at(p)), &seeds, &options);
+    let rulings = faces.iter().flat_map(of_face).collect();
     let skins_mm = skins_mm(project);
     let limit_mm = radius_limit_mm(project);
     SheetShape { places, triangles: fine.triangles, shapes, rulings, options, shares, skins_mm, limit_mm }
 }
 
-/// The shape at a place; where the surface has no tangent plane, which no fitted sheet has, that of its plane.
-fn shape(surface: &SheetSurface, at: DVec2) -> LocalShape {
-    let point = surface.spline.at(at);
+/// A face with its trim as polygons.
+struct Face<'a> {
+    surface: &'a SheetSurface,
+    loops: Vec<Vec<DVec2>>,
+}
+
+impl<'a> Face<'a> {
+    fn of(surface: &'a SheetSurface) -> Self {
+        Self { surface, loops: surface.trim.iter().map(|c: &PlanarCurve| c.flatten(CHORD_MM)).collect() }
+    }
+
+    /// Inside the outline and outside of the holes.
+    fn inside(&self, p: DVec2) -> bool {
+        self.loops.iter().filter(|l| polygon::contains(l, p)).count() % 2 == 1
+    }
+
+    fn distance_mm(&self, p: DVec2) -> f64 {
+        let sides = self.loops.iter().flat_map(|l| polygon::edges(l));
+        sides.map(|(a, b)| polygon::segment_distance(p, a, b)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The shape at a place, of the face that it lies in or is nearest to; where the surface has no tangent plane, which no
+/// fitted sheet has, that of its plane.
+fn shape(faces: &[Face<'_>], at: DVec2) -> LocalShape {
+    let nearest = || faces.iter().min_by(|a, b| a.distance_mm(at).total_cmp(&b.distance_mm(at)));
+    let only = if let [face] = faces { Some(face) } else { None };
+    let face = only.or_else(|| faces.iter().find(|f| f.inside(at)).or_else(nearest));
+    let point = face.map_or_else(SurfacePoint::default, |f| f.surface.spline.at(at));
     LocalShape::of(&point).unwrap_or(LocalShape {
         position: point.position,
         normal: DVec3::Z,
@@ -93,11 +123,6 @@ fn corner_areas(mesh: &TriMesh) -> Vec<f64> {
         t.iter().for_each(|v| areas[*v as usize] += third);
     }
     areas
-}
-
-/// Inside the outline and outside of the holes.
-fn inside(loops: &[Vec<DVec2>], p: DVec2) -> bool {
-    loops.iter().filter(|l| polygon::contains(l, p)).count() % 2 == 1
 }
 
 /// A lattice over a rectangle.

@@ -3,21 +3,21 @@
 use crate::progress::Progress;
 use crate::project::line_of;
 use crate::project::{self, Project};
-use crate::shape::{self, SheetShape};
 use crate::states::{self, Beginning, SpringBack, State};
+use crate::surfaces;
+pub use crate::surfaces::{SubdResult, SurfaceResult};
 use crate::{RunError, patterns, softness};
 use softfold_fold::{
     Clearance, Goal, Halt, Iteration, LbfgsOptions, Momentum, NewtonOptions, RelaxOptions, Solver, Verdict,
 };
-use softfold_geometry::{CreasePattern, DVec3, FoldedSheet, Issue, SoftPattern};
-use softfold_kernel::{MeshBuffers, MeshView, cgal, occt};
+use softfold_geometry::{CreasePattern, DVec3, FoldedSheet, Issue, SheetSurface, SoftPattern};
+use softfold_kernel::{MeshBuffers, MeshView, cgal};
 use softfold_mesh::{Backend, Crosscheck, MeshError, Meshed, Quality};
 use softfold_mold::{
     Board, BoardOptions, Mold, MoldError, MoldOptions, Placement, Rest, StockOptions, WaffleOptions,
 };
 use softfold_pattern::{Format, ReadOptions};
 use softfold_soften::SoftenError;
-use softfold_surface::{Fitted, SurfaceAnalysis, SurfaceError, SurfaceOptions};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -125,25 +125,6 @@ pub struct AnalyseResult {
     pub clearance: Option<Clearance>,
 }
 
-/// The surface stage's results.
-pub struct SurfaceResult {
-    /// Surface and cage.
-    pub fitted: Fitted,
-    /// Its shape, place by place.
-    pub shape: SheetShape,
-    /// Figures of the surface.
-    pub analysis: SurfaceAnalysis,
-    /// The trimmed face.
-    pub face: occt::Shape,
-    /// What OpenCascade finds wrong with it.
-    pub faults: Vec<String>,
-    /// Its triangles, by OpenCascade.
-    pub face_mesh: MeshBuffers,
-    /// Largest distance from a folded vertex to the face's own triangles, by CGAL, mm: the exported face against the
-    /// mesh, through two other libraries.
-    pub face_distance_mm: f64,
-}
-
 /// Everything a run has made so far.
 #[derive(Default)]
 pub struct Results {
@@ -242,7 +223,7 @@ pub fn run(loaded: &Loaded, until: Stage, progress: &mut dyn Progress) -> Result
         (Stage::Mesh, mesh),
         (Stage::Fold, fold),
         (Stage::Analyse, analyse),
-        (Stage::Surface, surface),
+        (Stage::Surface, surfaces::surface),
         (Stage::Board, board),
         (Stage::Stability, stability),
         (Stage::Mold, mold),
@@ -259,20 +240,20 @@ pub fn run(loaded: &Loaded, until: Stage, progress: &mut dyn Progress) -> Result
         let seconds = start.elapsed().as_secs_f64();
         results.seconds.push((stage.name(), seconds));
         progress.end(stage.name(), seconds, &word);
-        if stage == Stage::Pattern && until >= Stage::Surface {
+        if stage == Stage::Pattern && until >= Stage::Board {
             refuse_slits(loaded, made(results.pattern.as_ref())?)?;
         }
     }
     Ok(results)
 }
 
-/// One face follows no slit: told before the minutes that lead to it.
+/// Board and mold are made of one smooth face, which follows no slit: told before the minutes that lead to them.
 fn refuse_slits(loaded: &Loaded, pattern: &CreasePattern) -> Result<(), RunError> {
     let Some(slit) = pattern.slits.first() else { return Ok(()) };
     let p = slit.end(0);
     let message = format!(
-        "the sheet has {} slit(s), the first from ({:.3}, {:.3}) mm; a surface is made of sheets without them: fold it with \
-         `softfold fold`, or draw narrow holes in their place",
+        "the sheet has {} slit(s), the first from ({:.3}, {:.3}) mm; boards and molds are made of sheets without them: make its \
+         surface with `softfold surface`, or draw narrow holes in their place",
         pattern.slits.len(),
         p.x,
         p.y
@@ -284,11 +265,11 @@ fn refuse_slits(loaded: &Loaded, pattern: &CreasePattern) -> Result<(), RunError
 type StepFn = fn(&Loaded, &mut Results, &mut dyn Progress) -> Result<String, RunError>;
 
 /// A stage's input that an earlier stage must have made.
-fn made<T>(value: Option<&T>) -> Result<&T, RunError> {
+pub(crate) fn made<T>(value: Option<&T>) -> Result<&T, RunError> {
     value.ok_or_else(|| RunError::Defect("a stage ran before its input was made".to_owned()))
 }
 
-fn defect(error: impl std::fmt::Display) -> RunError {
+pub(crate) fn defect(error: impl std::fmt::Display) -> RunError {
     RunError::Defect(error.to_string())
 }
 
@@ -440,50 +421,6 @@ fn analyse(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) 
     Ok(format!("area error {:+.2} % to {:+.2} %", 100.0 * lo.value, 100.0 * hi.value))
 }
 
-/// Chord error of the triangles that stand for the face in the check against the mesh, mm.
-const FACE_CHORD_MM: f64 = 0.1;
-/// Their angle, rad.
-const FACE_ANGLE_RAD: f64 = 0.5;
-/// Step of the surface analysis as share of the lattice spacing.
-const ANALYSIS_STEP: f64 = 0.5;
-
-fn surface(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> Result<String, RunError> {
-    let wanted = &loaded.project.surface;
-    let defaults = SurfaceOptions::default();
-    let tolerance_mm = wanted.tolerance_mm.unwrap_or(defaults.tolerance_mm);
-    let options = SurfaceOptions { tolerance_mm, spacing_mm: wanted.spacing_mm, ..defaults };
-    let sheet = &made(results.fold.as_ref())?.sheet;
-    let trim = &made(results.soft.as_ref())?.loops;
-    let fitted = softfold_surface::fit(sheet, trim, &options).map_err(|e| surface_fault(loaded, &e))?;
-    progress.advance(Some(0.7), "curvature and the trimmed face");
-    let analysis =
-        softfold_surface::analyse(&fitted.surface, ANALYSIS_STEP * fitted.spacing_mm).map_err(defect)?;
-    let face = softfold_mold::sheet_face(&fitted.surface).map_err(defect)?;
-    let faults = occt::check(&face).map_err(defect)?;
-    let face_mesh = occt::triangulate(&face, FACE_CHORD_MM, FACE_ANGLE_RAD).map_err(defect)?;
-    let face_distance_mm = face_distance_mm(&face_mesh, sheet)?;
-    let d = fitted.surface.deviation;
-    let word = format!("deviation {:.3} mm, {}", d.max_mm, fitted.why);
-    let shape = shape::of(&loaded.project, &sheet.mesh, &fitted.surface, fitted.spacing_mm);
-    results.surface =
-        Some(SurfaceResult { fitted, shape, analysis, face, faults, face_mesh, face_distance_mm });
-    Ok(word)
-}
-
-fn face_distance_mm(face: &MeshBuffers, sheet: &FoldedSheet) -> Result<f64, RunError> {
-    let points: Vec<[f64; 3]> = sheet.positions.iter().map(|p| p.to_array()).collect();
-    let distances = cgal::distances_to_mesh(&points, face.view()).map_err(defect)?;
-    Ok(distances.into_iter().fold(0.0, f64::max))
-}
-
-fn surface_fault(loaded: &Loaded, error: &SurfaceError) -> RunError {
-    match error {
-        SurfaceError::NotPositive { key, .. } => loaded.fault("surface", key, error),
-        SurfaceError::TooManyPoles { .. } => loaded.fault("surface", "spacing_mm", error),
-        other => defect(other),
-    }
-}
-
 fn board(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result<String, RunError> {
     let wanted = &loaded.project.board;
     let options = BoardOptions {
@@ -495,11 +432,19 @@ fn board(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result
             project::Placement::Upper => Placement::Upper,
         },
     };
-    let sheet = &made(results.surface.as_ref())?.fitted.surface;
-    let board = softfold_mold::make_board(sheet, &options).map_err(|e| mold_fault(loaded, &e))?;
+    let sheet = smooth(results)?;
+    let mut board = softfold_mold::make_board(sheet, &options).map_err(|e| mold_fault(loaded, &e))?;
+    if let Some(height_mm) = wanted.trim_ground_mm {
+        board = softfold_mold::trim_ground(board, height_mm).map_err(|e| mold_fault(loaded, &e))?;
+    }
     let word = format!("{:.1} kg", board.mass_kg);
     results.board = Some(board);
     Ok(word)
+}
+
+/// The one smooth face.
+fn smooth(results: &Results) -> Result<&SheetSurface, RunError> {
+    Ok(&made(made(results.surface.as_ref())?.fitted.as_ref())?.surface)
 }
 
 /// Errors of the board and the mold are the input's unless a library failed; they know the key that mends them.
@@ -549,7 +494,7 @@ fn mold(loaded: &Loaded, results: &mut Results, progress: &mut dyn Progress) -> 
     let project = &loaded.project;
     let surface = made(results.surface.as_ref())?;
     let mut watch = |done: f64| progress.advance(Some(done), "parts");
-    let mold = softfold_mold::make_mold_watched(&surface.fitted.surface, &mold_options(project), &mut watch)
+    let mold = softfold_mold::make_mold_watched(smooth(results)?, &mold_options(project), &mut watch)
         .map_err(|e| mold_fault(loaded, &e))?;
     let word = format!("{} parts, {} boards", mold.parts.len(), mold.waffle.boards.len());
     results.mold_mesh_volume_mm3 = mesh_volume_mm3(&surface.face_mesh, &mold, project.mold.thickness_mm)?;

@@ -2,8 +2,9 @@
 
 use crate::SurfaceError;
 use crate::error::is_positive;
+use crate::layout::tolerance;
 use glam::{DVec2, DVec3};
-use softfold_geometry::{Extreme, PlanarCurve, SheetSurface, SurfacePoint, Tolerance, polygon};
+use softfold_geometry::{Extreme, PlanarCurve, SheetSurface, SurfacePoint, polygon};
 
 /// The surface inside its trim, seen at a lattice of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,12 +46,7 @@ pub fn analyse(surface: &SheetSurface, step_mm: f64) -> Result<SurfaceAnalysis, 
 /// # Errors
 /// None, or one that is not closed.
 pub(crate) fn loops(trim: &[PlanarCurve]) -> Result<Vec<Vec<DVec2>>, SurfaceError> {
-    if let Some((number, curve)) = trim.iter().enumerate().find(|(_, c)| !c.is_closed()) {
-        return Err(SurfaceError::OpenTrim { number, at: curve.point(curve.length_mm()) });
-    }
-    let Some(outline) = trim.first() else { return Err(SurfaceError::NoTrim) };
-    // A closed curve is at most half its length across.
-    let chord_mm = Tolerance::for_size(0.5 * outline.length_mm()).chord_mm;
+    let chord_mm = tolerance(trim)?.chord_mm;
     Ok(trim.iter().map(|c| c.flatten(chord_mm)).collect())
 }
 

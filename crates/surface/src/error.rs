@@ -76,6 +76,19 @@ pub enum SurfaceError {
         /// What the solver said.
         cause: String,
     },
+    /// The quad cage is no mesh of the sheet.
+    #[error(
+        "no quad cage of {cell_mm:.1} mm cells fits the sheet: {fault} near ({:.1}, {:.1}) mm; give a smaller \
+         surface.spacing_mm, or surface.form = \"lattice\"", at.x, at.y
+    )]
+    CageFolds {
+        /// Length of a cell, mm.
+        cell_mm: f64,
+        /// Where, (u, v) in mm.
+        at: DVec2,
+        /// What is wrong.
+        fault: &'static str,
+    },
     /// OpenSubdiv refused the cage.
     #[error(transparent)]
     Kernel(#[from] KernelError),

@@ -47,10 +47,21 @@ impl Lattice {
         opensubdiv::Cage { vertex_count: self.vertices(), quads: self.quads() }
     }
 
-    /// The place of a flat point on the cage, never in its border ring: there the limit is not the uniform bicubic.
-    pub(crate) fn sample(&self, uv: DVec2) -> Sample {
+    /// The cell of a flat point, never in the border ring: there the limit is not the uniform bicubic.
+    pub(crate) fn cell(&self, uv: DVec2) -> [usize; 2] {
         let local = (uv - self.origin) / self.spacing_mm;
-        let cell = [0, 1].map(|d| (local[d].floor() as isize).clamp(1, self.count[d] as isize - 3) as usize);
+        [0, 1].map(|d| (local[d].floor() as isize).clamp(1, self.count[d] as isize - 3) as usize)
+    }
+
+    /// The sixteen poles that act in a cell.
+    pub(crate) fn poles_of(&self, cell: [usize; 2]) -> impl Iterator<Item = usize> + use<> {
+        let (rows, [i, j]) = (self.count[1], cell);
+        (0..16).map(move |k| (i + k / 4 - 1) * rows + j + k % 4 - 1)
+    }
+
+    /// The place of a flat point on the cage.
+    pub(crate) fn sample(&self, uv: DVec2) -> Sample {
+        let (local, cell) = ((uv - self.origin) / self.spacing_mm, self.cell(uv));
         let within = [0, 1].map(|d| (local[d] - cell[d] as f64).clamp(0.0, 1.0));
         let quad = cell[0] * (self.count[1] - 1) + cell[1];
         Sample { quad: quad as u32, s: within[0], t: within[1] }

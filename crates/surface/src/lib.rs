@@ -5,11 +5,14 @@
 //!
 //! ```text
 //! FoldedSheet + trim ── fit ──► Fitted { SheetSurface, Cage } ── analyse ──► SurfaceAnalysis
+//!       + cuts ── fit_shell ──► FittedShell { SheetShell, cages }
 //! ```
-//! Inside: `samples` lists what to fit, `lattice` lays the cage, `system` holds the sparse normal equations, `bending`
-//! their smoothing term, `fitting` solves one lattice, `search` finds its spacing, `scale` reads the mesh's own. Figures
-//! of a finished surface: `analyse` its extremes, `local` its shape at one point, `rulings` its straight lines, `bends` how
-//! much of it bends which way; the last three ask nothing but a function of (u, v).
+//! [`subd`] is the paper's own route: a cage that ends on the outline, converted to faces that share their edges.
+//! Inside: `layout` divides the sheet along what is sharp or slit, `open` its mesh, `samples` lists what to fit, `lattice` lays
+//! the cage, `poles` numbers the unknowns, `system` holds the sparse normal equations, `bending` their smoothing term, `fitting`
+//! solves one lattice, `search` finds its spacing, `scale` reads the mesh's own. Figures of a finished surface: `analyse` its
+//! extremes, `local` its shape at one point, `rulings` its straight lines, `bends` how much of it bends which way; the last
+//! three ask nothing but a function of (u, v).
 
 mod analyse;
 mod bending;
@@ -17,13 +20,20 @@ mod bends;
 mod error;
 mod fitting;
 mod lattice;
+mod layout;
 mod local;
+mod open;
+mod poles;
 mod rulings;
 mod samples;
 mod scale;
 mod search;
+mod shell;
+pub mod subd;
 mod system;
 
+#[cfg(test)]
+mod shell_tests;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]
@@ -36,4 +46,6 @@ pub use lattice::Cage;
 pub use local::LocalShape;
 pub use rulings::{Bend, DOUBLE_BEND, Ruling, RulingOptions, rulings};
 
+pub use layout::{Cut, CutKind};
 pub use search::{Fitted, SurfaceOptions, fit};
+pub use shell::{FittedShell, analyse_shell, fit_shell};

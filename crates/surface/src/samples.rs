@@ -14,7 +14,13 @@ pub(crate) struct Target {
     pub(crate) position: DVec3,
     /// Its weight: its share of the sheet's area, mm².
     pub(crate) weight_mm2: f64,
+    /// A point of (u, v) near by in a triangle beside it: it tells the face where several meet.
+    pub(crate) beside: DVec2,
 }
+
+/// How far from a vertex or edge to the middle of a triangle the point beside it is: near, and yet clear of the bow of a
+/// curved crease over the triangle's side.
+const BESIDE: f64 = 0.1;
 
 /// The vertices, then the lifted midpoints of the edges at fold lines.
 ///
@@ -39,9 +45,18 @@ fn vertex_targets(sheet: &FoldedSheet) -> Vec<Target> {
         let third = sheet.mesh.triangle_area_mm2(TriangleId::new(t)) / 3.0;
         corners.iter().for_each(|v| weights_mm2[v.index()] += third);
     }
-    let places = sheet.mesh.vertices.iter().zip(&sheet.positions);
-    let target = |((&uv, &position), weight_mm2)| Target { uv, position, weight_mm2 };
+    let mut besides = sheet.mesh.vertices.clone();
+    for (t, corners) in sheet.mesh.triangles.iter().enumerate() {
+        let middle = middle(sheet, TriangleId::new(t));
+        corners.iter().for_each(|v| besides[v.index()] = sheet.mesh.vertices[v.index()].lerp(middle, BESIDE));
+    }
+    let places = sheet.mesh.vertices.iter().zip(&sheet.positions).zip(besides);
+    let target = |(((&uv, &position), beside), weight_mm2)| Target { uv, position, weight_mm2, beside };
     places.zip(weights_mm2).map(target).collect()
+}
+
+fn middle(sheet: &FoldedSheet, triangle: TriangleId) -> DVec2 {
+    sheet.mesh.corners(triangle).into_iter().sum::<DVec2>() / 3.0
 }
 
 /// The middle of the cubic that leaves both ends of an edge in their tangent planes; on a circle it is the arc's middle
@@ -53,8 +68,9 @@ fn lifted(sheet: &FoldedSheet, normals: &[Option<DVec3>], edge: &Edge) -> Option
     let d = pb - pa;
     let position = 0.5 * (pa + pb) + 0.125 * (d.dot(nb) * nb - d.dot(na) * na);
     let uv = 0.5 * (sheet.mesh.vertices[a.index()] + sheet.mesh.vertices[b.index()]);
-    let beside: f64 = edge.triangles.iter().flatten().map(|&t| sheet.mesh.triangle_area_mm2(t)).sum();
-    Some(Target { uv, position, weight_mm2: LIFTED_WEIGHT * beside / 3.0 })
+    let area_mm2: f64 = edge.triangles.iter().flatten().map(|&t| sheet.mesh.triangle_area_mm2(t)).sum();
+    let within = edge.triangles[0].map_or(uv, |t| uv.lerp(middle(sheet, t), BESIDE));
+    Some(Target { uv, position, weight_mm2: LIFTED_WEIGHT * area_mm2 / 3.0, beside: within })
 }
 
 /// Unit normals of the smooth surface at the vertices: the mean over the triangles around, but on the border lines of a

@@ -1,9 +1,10 @@
 //! The surface of a folded sheet: spacing and smoothing are found where the first choice does not do.
 
 use crate::analyse::loops;
-use crate::fitting::{Fitting, Solution};
+use crate::fitting::{Firmness, Fitting, Problem, Solution};
 use crate::lattice::Lattice;
-use crate::scale::strip_width_mm;
+use crate::layout::Cut;
+use crate::scale::{MIDDLE, NARROW_SHARE, strip_width_mm};
 use crate::{Cage, SurfaceError};
 use glam::DVec2;
 use softfold_geometry::{FoldedSheet, PlanarCurve, SheetSurface, polygon};
@@ -24,14 +25,23 @@ const MOST_MARGIN_CELLS: u32 = 100;
 const FIRST_SPACING: f64 = 1.25;
 /// Ratio of a spacing to the one before it; the error falls with the second to fourth power.
 const REFINEMENT: f64 = 0.7;
+/// How much less smoothing is tried with several faces.
+const LIGHTER: f64 = 0.01;
+/// A spacing below this share of the least one is out of reach.
+const FAR_BELOW: f64 = 0.5;
 /// Least spacing, in strip widths: two cells a strip follow any vertex; finer ones follow nothing that is there.
 const LEAST_SPACING: f64 = 0.5;
 /// Ratio of a bending weight to the one before it, once the spacing is least.
 const RELAXATION: f64 = 0.1;
 /// How often the bending weight is lowered: below 1e-3 of its value the surface passes through the vertices anyway.
 const MOST_RELAXATIONS: usize = 3;
+/// Largest distance between two faces along the crease that they share, mm: half of 1e-6 mm, within which the faces shall be
+/// one; the other half is for the edge's own curve.
+pub(crate) const GAP_MM: f64 = 5e-7;
 /// Most poles of a lattice: about 1 GB of memory and some seconds a solve, measured.
 const MOST_POLES: usize = 250_000;
+/// Most poles of several faces together, whose search solves twice as often: what more would follow are the tips of creases.
+const MOST_POLES_OF_FACES: f64 = 100_000.0;
 
 /// Options of [`fit`].
 #[derive(Clone, Debug, PartialEq)]
@@ -98,20 +108,12 @@ pub fn fit(
     trim: &[PlanarCurve],
     options: &SurfaceOptions,
 ) -> Result<Fitted, SurfaceError> {
-    options.check()?;
-    sheet.check()?;
-    let strip_mm = strip_width_mm(&sheet.mesh).ok_or(SurfaceError::Empty)?;
-    let points = [sheet.mesh.vertices.clone(), loops(trim)?.concat()].concat();
-    let search = Search { sheet, options, strip_mm, bounds: polygon::bounds(&points) };
-    let found = match options.spacing_mm {
-        Some(spacing_mm) => search.given(spacing_mm)?,
-        None => search.refine()?,
-    };
-    Ok(found.into_fitted(trim, options.tolerance_mm))
+    let found = Search::run(sheet, trim, &[], options)?.1;
+    found.into_fitted(trim, options.tolerance_mm).ok_or(SurfaceError::NoTrim)
 }
 
 impl SurfaceOptions {
-    fn check(&self) -> Result<(), SurfaceError> {
+    pub(crate) fn check(&self) -> Result<(), SurfaceError> {
         let lengths = [
             ("spacing_mm", self.spacing_mm, "or leave it out"),
             ("tolerance_mm", Some(self.tolerance_mm), "0.05 for example"),
@@ -129,21 +131,49 @@ impl SurfaceOptions {
     }
 }
 
-struct Search<'a> {
-    sheet: &'a FoldedSheet,
+pub(crate) struct Search<'a> {
+    problem: &'a Problem,
     options: &'a SurfaceOptions,
     strip_mm: f64,
+    /// Width of the strips that the first spacing is told from.
+    first_strip_mm: f64,
     bounds: (DVec2, DVec2),
 }
 
 /// A solution with the words that go with it.
-struct Found {
-    solution: Solution,
-    bending_weight: f64,
-    why: String,
+pub(crate) struct Found {
+    pub(crate) solution: Solution,
+    pub(crate) bending_weight: f64,
+    pub(crate) why: String,
 }
 
 impl Search<'_> {
+    /// Finds the lattice for a sheet.
+    ///
+    /// # Errors
+    /// As [`fit`].
+    pub(crate) fn run(
+        sheet: &FoldedSheet,
+        trim: &[PlanarCurve],
+        cuts: &[Cut],
+        options: &SurfaceOptions,
+    ) -> Result<(Problem, Found), SurfaceError> {
+        options.check()?;
+        sheet.check()?;
+        let strip_mm = strip_width_mm(&sheet.mesh, NARROW_SHARE).ok_or(SurfaceError::Empty)?;
+        let problem = Problem::new(sheet, trim, cuts)?;
+        // Where soft becomes sharp most strips are narrower than any lattice should begin with.
+        let share = if problem.layout.faces.len() > 1 { MIDDLE } else { NARROW_SHARE };
+        let first_strip_mm = strip_width_mm(&sheet.mesh, share).ok_or(SurfaceError::Empty)?;
+        let bounds = polygon::bounds(&[sheet.mesh.vertices.clone(), loops(trim)?.concat()].concat());
+        let search = Search { problem: &problem, options, strip_mm, first_strip_mm, bounds };
+        let found = match options.spacing_mm {
+            Some(spacing_mm) => search.given(spacing_mm)?,
+            None => search.refine()?,
+        };
+        Ok((problem, found))
+    }
+
     fn lattice(&self, spacing_mm: f64) -> Lattice {
         Lattice::over(self.bounds, spacing_mm, self.options.margin_cells)
     }
@@ -152,37 +182,97 @@ impl Search<'_> {
     fn given(&self, spacing_mm: f64) -> Result<Found, SurfaceError> {
         let lattice = self.lattice(spacing_mm);
         if lattice.vertices() > MOST_POLES {
-            let (poles, least_mm) = (lattice.vertices(), self.least_for_memory_mm());
+            let (poles, least_mm) = (lattice.vertices(), self.least_for_memory_mm(MOST_POLES as f64));
             return Err(SurfaceError::TooManyPoles { spacing_mm, poles, limit: MOST_POLES, least_mm });
         }
-        let solution = self.solve(&self.fitting(spacing_mm)?, self.options.bending_weight)?;
+        let solution =
+            self.solve(&self.fitting(spacing_mm)?, self.options.bending_weight, Firmness::Loose)?;
         Ok(self.found(solution, self.options.bending_weight, "spacing as given"))
     }
 
     fn refine(&self) -> Result<Found, SurfaceError> {
         let (floor_mm, floor) = self.floor();
-        let mut spacing_mm = (FIRST_SPACING * self.strip_mm).max(floor_mm);
+        let mut spacing_mm = (FIRST_SPACING * self.first_strip_mm).max(floor_mm);
+        let mut before = None;
         loop {
             let fitting = self.fitting(spacing_mm)?;
-            let solution = self.solve(&fitting, self.options.bending_weight)?;
+            let solution = self.solve(&fitting, self.options.bending_weight, Firmness::Loose)?;
             if self.meets(&solution) {
                 return Ok(self.found(solution, self.options.bending_weight, "spacing found"));
             }
+            if let Some(found) = self.lighter(&fitting)? {
+                return Ok(found);
+            }
+            let now = (spacing_mm, solution.deviation.max_mm / self.options.tolerance_mm);
             if spacing_mm <= floor_mm {
                 return self.relax(&fitting, solution, floor);
             }
+            if before.is_some_and(|before| self.is_out_of_reach(before, now, floor_mm)) {
+                return self.relax(&fitting, solution, "finer spacings would not do");
+            }
+            before = Some(now);
             spacing_mm = (REFINEMENT * spacing_mm).max(floor_mm);
         }
     }
 
+    /// With several faces the smoothing may be what keeps the surface off the ends of creases and slits, where the sheet bends
+    /// as tightly as it likes: they are tried with less of it.
+    fn lighter(&self, fitting: &Fitting<'_>) -> Result<Option<Found>, SurfaceError> {
+        if !self.is_several() {
+            return Ok(None);
+        }
+        let weight = LIGHTER * self.options.bending_weight;
+        let solution = self.solve(fitting, weight, Firmness::Loose)?;
+        let how = || format!("spacing found, bending weight lowered to {weight:.1e}");
+        Ok(self.meets(&solution).then(|| self.found(solution, weight, &how())))
+    }
+
+    /// On the finest lattice several faces are held together firmly, if that is all that is left to do.
+    fn firmer(
+        &self,
+        fitting: &Fitting<'_>,
+        first: &Solution,
+        floor: &str,
+    ) -> Result<Option<Found>, SurfaceError> {
+        if !self.is_several() || first.deviation.max_mm > self.options.tolerance_mm {
+            return Ok(None);
+        }
+        let weight = self.options.bending_weight;
+        let solution = self.solve(fitting, weight, Firmness::Firm)?;
+        let how = format!("{floor}, faces held together firmly");
+        Ok(self.meets(&solution).then(|| self.found(solution, weight, &how)))
+    }
+
+    /// Whether the distance to the vertices falls too slowly, as power of the spacing, for any spacing not far below the least to do: then it
+    /// comes from a place that no lattice follows, the tip of a crease for example. Told of several faces alone.
+    fn is_out_of_reach(&self, before: (f64, f64), now: (f64, f64), floor_mm: f64) -> bool {
+        if now.1 <= 1.0 {
+            return false;
+        }
+        let order = (before.1 / now.1).ln() / (before.0 / now.0).ln();
+        let needed_mm = now.0 * now.1.powf(-1.0 / order.max(f64::MIN_POSITIVE));
+        self.is_several() && needed_mm < FAR_BELOW * floor_mm
+    }
+
+    fn is_several(&self) -> bool {
+        self.problem.layout.faces.len() > 1
+    }
+
     /// Lowers the bending weight on the finest lattice.
     fn relax(&self, fitting: &Fitting<'_>, first: Solution, floor: &str) -> Result<Found, SurfaceError> {
+        if let Some(found) = self.firmer(fitting, &first, floor)? {
+            return Ok(found);
+        }
         let (mut best, mut best_weight) = (first, self.options.bending_weight);
+        if best.deviation.max_mm <= self.options.tolerance_mm {
+            // What is left are faces that part: a lighter surface would only ripple.
+            return Ok(self.found(best, best_weight, floor));
+        }
         let mut weight = best_weight;
         for _ in 0..MOST_RELAXATIONS {
             weight *= RELAXATION;
-            let solution = self.solve(fitting, weight)?;
-            if solution.deviation.max_mm < best.deviation.max_mm {
+            let solution = self.solve(fitting, weight, Firmness::Loose)?;
+            if self.off(&solution) < self.off(&best) {
                 (best, best_weight) = (solution, weight);
             }
             if self.meets(&best) {
@@ -193,16 +283,26 @@ impl Search<'_> {
     }
 
     fn fitting(&self, spacing_mm: f64) -> Result<Fitting<'_>, SurfaceError> {
-        Fitting::new(self.sheet, self.lattice(spacing_mm))
+        Fitting::new(self.problem, self.lattice(spacing_mm), self.options.margin_cells)
     }
 
-    fn solve(&self, fitting: &Fitting<'_>, bending_weight: f64) -> Result<Solution, SurfaceError> {
+    fn solve(
+        &self,
+        fitting: &Fitting<'_>,
+        bending_weight: f64,
+        firmness: Firmness,
+    ) -> Result<Solution, SurfaceError> {
         let length_mm = self.strip_mm.max(fitting.lattice.spacing_mm);
-        fitting.solve(bending_weight * length_mm.powi(4))
+        fitting.solve(bending_weight * length_mm.powi(self.problem.smoothness.power()), firmness, GAP_MM)
     }
 
     fn meets(&self, solution: &Solution) -> bool {
-        solution.deviation.max_mm <= self.options.tolerance_mm
+        solution.deviation.max_mm <= self.options.tolerance_mm && solution.gap_mm.value <= GAP_MM
+    }
+
+    /// How far a solution is off, as share of what is allowed.
+    fn off(&self, solution: &Solution) -> f64 {
+        (solution.deviation.max_mm / self.options.tolerance_mm).max(solution.gap_mm.value / GAP_MM)
     }
 
     /// The least spacing that is tried, mm, and what makes it so.
@@ -211,44 +311,61 @@ impl Search<'_> {
             Some(given) => (given, "least spacing (surface.min_spacing_mm) reached"),
             None => (LEAST_SPACING * self.strip_mm, "least spacing (half a strip of the mesh) reached"),
         };
-        match self.least_for_memory_mm() {
-            least if least > wanted => (least, "least spacing (most poles that memory allows) reached"),
+        match self.least_for_memory_mm(self.most_poles()) {
+            least if least > wanted => (least, "least spacing (most poles that are tried) reached"),
             _ => (wanted, reason),
         }
     }
 
-    /// The least spacing whose lattice has no more than [`MOST_POLES`], mm: `(w/h + c)(l/h + c) = MOST_POLES` with c
-    /// the margins, the vertex past the last cell and the rounding up.
-    fn least_for_memory_mm(&self) -> f64 {
+    /// Most poles of the whole lattice: several faces have lattices that overlap.
+    fn most_poles(&self) -> f64 {
+        if !self.is_several() {
+            return MOST_POLES as f64;
+        }
+        let area = |(lo, hi): (DVec2, DVec2)| (hi - lo).element_product();
+        let layout = &self.problem.layout;
+        let faces: f64 = (0..layout.faces.len()).map(|f| area(layout.bounds(f))).sum();
+        MOST_POLES_OF_FACES / (faces / area(self.bounds)).max(1.0)
+    }
+
+    /// The least spacing whose lattice has no more than `most` poles, mm: `(w/h + c)(l/h + c) = most` with c the margins, the
+    /// vertex past the last cell and the rounding up.
+    fn least_for_memory_mm(&self, most: f64) -> f64 {
         let size = self.bounds.1 - self.bounds.0;
         let c = 2.0 * f64::from(self.options.margin_cells) + 2.0;
-        let (half, rest) = (0.5 * c * (size.x + size.y), MOST_POLES as f64 - c * c);
+        let (half, rest) = (0.5 * c * (size.x + size.y), most - c * c);
         (half + (half * half + rest * size.x * size.y).sqrt()) / rest
     }
 
     fn found(&self, solution: Solution, bending_weight: f64, how: &str) -> Found {
-        let (d, tolerance) = (solution.deviation, self.options.tolerance_mm);
-        let verdict = match self.meets(&solution) {
+        let (d, gap, tolerance) = (solution.deviation, solution.gap_mm, self.options.tolerance_mm);
+        let mut verdict = match d.max_mm <= tolerance {
             true => format!("within {tolerance} mm"),
             false => format!(
                 "{:.3} mm off at ({:.1}, {:.1}), more than the {tolerance} mm of surface.tolerance_mm",
                 d.max_mm, d.at.x, d.at.y
             ),
         };
+        if gap.value > GAP_MM {
+            let (gap, at) = (gap.value, gap.at);
+            verdict += &format!("; faces part by {gap:.1e} mm along a crease at ({:.1}, {:.1})", at.x, at.y);
+        }
         Found { solution, bending_weight, why: format!("{how}: {verdict}") }
     }
 }
 
 impl Found {
-    fn into_fitted(self, trim: &[PlanarCurve], tolerance_mm: f64) -> Fitted {
-        let Solution { lattice, spline, deviation } = self.solution;
-        Fitted {
+    /// The only face as a surface; none if there are several.
+    fn into_fitted(self, trim: &[PlanarCurve], tolerance_mm: f64) -> Option<Fitted> {
+        let Solution { spacing_mm, mut faces, deviation, .. } = self.solution;
+        let (lattice, spline) = faces.pop()?;
+        Some(Fitted {
             cage: lattice.cage(spline.poles.clone()),
             surface: SheetSurface { spline, trim: trim.to_vec(), deviation },
-            spacing_mm: lattice.spacing_mm,
+            spacing_mm,
             bending_weight: self.bending_weight,
             tolerance_met: deviation.max_mm <= tolerance_mm,
             why: self.why,
-        }
+        })
     }
 }

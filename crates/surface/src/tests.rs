@@ -19,6 +19,14 @@ fn cylinder(p: DVec2) -> DVec3 {
     DVec3::new(100.0 * (p.x / 100.0).sin(), p.y, 100.0 * (1.0 - (p.x / 100.0).cos()))
 }
 
+/// A cone about z of 52° from its axis to its side, its apex 150 mm to the left of the sheet.
+fn cone(p: DVec2) -> DVec3 {
+    let (sin, cos) = 0.9_f64.sin_cos();
+    let q = p + DVec2::new(150.0, -0.5 * SIZE.y);
+    let around = DVec2::from_angle(q.to_angle() / sin);
+    q.length() * (sin * around).extend(cos)
+}
+
 fn probes(count: usize) -> impl Iterator<Item = DVec2> {
     (0..count).map(|k| SIZE * scatter(k))
 }
@@ -35,17 +43,55 @@ fn a_plane_is_reproduced_exactly() {
     }
 }
 
+/// Largest distance of a fitted surface from the closed form that it was fitted to, mm.
+fn off_mm(fitted: &Fitted, shape: impl Fn(DVec2) -> DVec3) -> f64 {
+    let spline = &fitted.surface.spline;
+    probes(2000).map(|p| spline.at(p).position.distance(shape(p))).fold(0.0, f64::max)
+}
+
 #[test]
-fn on_a_cylinder_the_error_falls_with_the_fourth_power() {
-    let sheet = scattered(SIZE, 5.0, cylinder);
-    let error = |spacing_mm| {
-        let options = SurfaceOptions { bending_weight: 1e-8, ..at_spacing(spacing_mm) };
-        let surface = fit(&sheet, &rectangle(SIZE), &options).unwrap().surface;
-        probes(2000).map(|p| surface.spline.at(p).position.distance(cylinder(p))).fold(0.0, f64::max)
-    };
-    let (coarse, fine) = (error(40.0), error(20.0));
-    assert!((coarse / fine).log2() > 3.5, "{coarse} {fine}");
-    assert!(fine < 1e-3);
+fn on_a_cylinder_and_a_cone_the_error_falls_with_the_fourth_power() {
+    for shape in [cylinder, cone] {
+        let sheet = scattered(SIZE, 5.0, shape);
+        let error = |spacing_mm| {
+            let options = SurfaceOptions { bending_weight: 1e-8, ..at_spacing(spacing_mm) };
+            off_mm(&fit(&sheet, &rectangle(SIZE), &options).unwrap(), shape)
+        };
+        let (coarse, fine) = (error(40.0), error(20.0));
+        assert!((coarse / fine).log2() > 3.5, "{coarse} {fine}");
+        assert!(fine < 4e-3, "{fine}");
+    }
+}
+
+#[test]
+fn cylinder_and_cone_are_met_between_the_vertices() {
+    for shape in [cylinder, cone] {
+        let options = SurfaceOptions { tolerance_mm: 0.01, ..SurfaceOptions::default() };
+        let fitted = fit(&scattered(SIZE, 5.0, shape), &rectangle(SIZE), &options).unwrap();
+        assert!(off_mm(&fitted, shape) < 0.02, "{} {}", off_mm(&fitted, shape), fitted.why);
+    }
+}
+
+#[test]
+fn beside_a_soft_band_and_along_its_middle_the_surface_is_the_bend() {
+    for (strips, tilt_rad) in [(6, 0.0), (6, 0.4)] {
+        let band = BandSheet::right_angle(30.0, strips, tilt_rad);
+        let fitted = fit(&band.sheet(8.0), &band.trim(), &SurfaceOptions::default()).unwrap();
+        let off = |across: f64, k: usize| {
+            let p = DVec2::new(across, scatter(k).y * band.length_mm);
+            let uv = DVec2::from_angle(band.tilt_rad).rotate(p);
+            band.distance_to_bend(fitted.surface.spline.at(uv).position)
+        };
+        let beside = (0..500).map(|k| {
+            let across = band.half_width_mm() + band.flank_mm * (0.35 + 0.65 * scatter(k).x);
+            off(if k % 2 == 0 { across } else { -across }, k)
+        });
+        let beside = beside.fold(0.0, f64::max);
+        let middle =
+            (0..500).map(|k| off(band.half_width_mm() * (scatter(k).x - 0.5), k)).fold(0.0, f64::max);
+        assert!(beside < 0.02, "{beside}");
+        assert!(middle < 0.05, "{middle}");
+    }
 }
 
 #[test]

@@ -32,6 +32,6 @@ mod ffi {
         /// Samples must come grouped by quad: `quads[i]` not descending.
         fn limit_stencils(vertex_count: u32, cage: &[u32], quads: &[u32], st: &[f64])
         -> Result<FlatStencils>;
-        fn bspline_patches(vertex_count: u32, cage: &[u32]) -> Result<FlatPatches>;
+        fn bspline_patches(vertex_count: u32, cage: &[u32], isolation: u32) -> Result<FlatPatches>;
     }
 }

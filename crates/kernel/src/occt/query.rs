@@ -28,6 +28,18 @@ pub struct MassProperties {
     pub center: [f64; 3],
 }
 
+/// Measures of a solid and how its volume is spread.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Inertia {
+    /// Volume, mm³.
+    pub volume_mm3: f64,
+    /// Center of the volume, mm.
+    pub center: [f64; 3],
+    /// Rows of the inertia tensor of the volume about its center, mm⁵: diagonal `∫ y² + z²` and so on, beside it
+    /// `−∫ x y`. Times the density it is that of the mass.
+    pub tensor_mm5: [[f64; 3]; 3],
+}
+
 /// How many solids, shells, faces and edges it has.
 ///
 /// # Errors
@@ -66,12 +78,31 @@ pub fn mass_properties(shape: &Shape, relative: f64) -> Result<MassProperties> {
     Ok(MassProperties { volume_mm3: mass.volume, center: mass.center })
 }
 
+/// As [`mass_properties`], with the inertia tensor, which takes as long again; minutes where symmetry makes a moment
+/// nothing, because a share of it is asked for.
+///
+/// # Errors
+/// As [`mass_properties`].
+pub fn inertia(shape: &Shape, relative: f64) -> Result<Inertia> {
+    let found = run("occt::inertia", || ffi::inertia(shape.raw(), relative))?;
+    let row = |i: usize| [0, 1, 2].map(|k| found.rows[3 * i + k]);
+    Ok(Inertia { volume_mm3: found.volume, center: found.center, tensor_mm5: [row(0), row(1), row(2)] })
+}
+
 /// Area of a shape's faces, mm².
 ///
 /// # Errors
 /// Only if the integration itself fails.
 pub fn area(shape: &Shape) -> Result<f64> {
     run("occt::area", || ffi::area(shape.raw()))
+}
+
+/// The largest tolerance of a shape's vertices, edges and faces, mm: so far may be apart what is one. 1e-7 at least.
+///
+/// # Errors
+/// None so far; a `Result` like every call here.
+pub fn largest_tolerance_mm(shape: &Shape) -> Result<f64> {
+    run("occt::largest_tolerance_mm", || ffi::largest_tolerance(shape.raw()))
 }
 
 /// Triangles off by at most `linear_mm` from the faces, and by `angular_rad` between neighbours along a curve. Faces

@@ -1,6 +1,7 @@
 use super::shape::Shape;
 use super::{BooleanOperation, ShapeKind};
 use crate::bridge::occt as ffi;
+use crate::buffers::MeshView;
 use crate::check;
 use crate::error::{KernelError, Result};
 
@@ -31,6 +32,17 @@ pub fn extruded_polygon(outline: &[[f64; 2]], z0: f64, z1: f64) -> Result<Shape>
     check::require(OPERATION, z1 > z0, || format!("z1 = {z1} is not above z0 = {z0}"))?;
     check::require(OPERATION, has_area(outline), || "the polygon has no area".into())?;
     Shape::made_by(OPERATION, || ffi::extruded_polygon(outline.as_flattened(), z0, z1))
+}
+
+/// A mesh as plane faces, one a triangle, with shared edges: a shell, or a solid if the mesh is closed. What comes of a mesh
+/// that is carried into CAD as it is; a thousand times as heavy as a surface, and not smooth.
+///
+/// # Errors
+/// Indices out of range, triangles without area.
+pub fn faceted(mesh: MeshView<'_>) -> Result<Shape> {
+    const OPERATION: &str = "occt::faceted";
+    check::mesh(OPERATION, mesh)?;
+    Shape::made_by(OPERATION, || ffi::faceted(mesh.positions.as_flattened(), mesh.triangles.as_flattened()))
 }
 
 /// Union, intersection or difference. One solid comes back as a solid, several (or none, where nothing is left) as a

@@ -1,3 +1,4 @@
+use super::part21::tidy;
 use super::shape::{Shape, run};
 use crate::bridge::occt as ffi;
 use crate::check;
@@ -6,6 +7,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+/// What a part is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material<'a> {
+    /// Its name, any text but none.
+    pub name: &'a str,
+    /// Its density, kg/m³.
+    pub density_kg_m3: f64,
+}
+
 /// One part of a STEP file to be.
 #[derive(Debug, Clone, Copy)]
 pub struct NamedShape<'a> {
@@ -13,17 +23,30 @@ pub struct NamedShape<'a> {
     pub name: &'a str,
     /// Red, green, blue as on screen, 0 to 1.
     pub color_srgb: [f32; 3],
+    /// What it is made of; an attribute of the part in STEP files, which other formats have no place for.
+    pub material: Option<Material<'a>>,
     /// What it is.
     pub shape: &'a Shape,
 }
 
-/// One part of a STEP file that was read.
+/// What a part that was read is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadMaterial {
+    /// Its name.
+    pub name: String,
+    /// Its density, kg/m³; 0 if the file tells none.
+    pub density_kg_m3: f64,
+}
+
+/// One part of a file that was read.
 #[derive(Debug)]
 pub struct ReadPart {
     /// The part's name; empty if the file has none.
     pub name: String,
     /// Its colour as on screen, 0 to 1, if it has one as a whole.
     pub color_srgb: Option<[f32; 3]>,
+    /// What it is made of, if the file says so.
+    pub material: Option<ReadMaterial>,
     /// What it is, in place, in mm.
     pub shape: Shape,
 }
@@ -33,10 +56,10 @@ pub struct ReadPart {
 pub enum StepSchema {
     /// AP203, read by everything.
     Ap203,
-    /// AP214, with colours; the usual choice.
-    #[default]
+    /// AP214, with colours.
     Ap214,
-    /// AP242, its successor.
+    /// AP242, its successor; the usual choice.
+    #[default]
     Ap242,
 }
 
@@ -76,7 +99,8 @@ pub fn write_step(path: &Path, parts: &[NamedShape<'_>], options: &StepOptions) 
     let draft = Draft::beside(path)?;
     write_draft(path, &draft.0, &parts, &header)?;
     let written = std::fs::read_to_string(&draft.0).map_err(|error| KernelError::file(path, error))?;
-    std::fs::write(&draft.0, texts.put_into(&written)).map_err(|error| KernelError::file(path, error))?;
+    std::fs::write(&draft.0, texts.put_into(&tidy(&written)))
+        .map_err(|error| KernelError::file(path, error))?;
     std::fs::rename(&draft.0, path).map_err(|error| KernelError::file(path, error))
 }
 
@@ -92,15 +116,23 @@ pub fn read_step(path: &Path) -> Result<Vec<ReadPart>> {
         let _guard = step_lock();
         run(OPERATION, || ffi::read_step(name)).map_err(|error| KernelError::file(path, error))?
     };
-    let wrap = |part: ffi::StepPart| {
-        let color_srgb = (part.color[0] >= 0.0).then_some(part.color);
-        Shape::wrap(OPERATION, part.shape).map(|shape| ReadPart { name: part.name, color_srgb, shape })
-    };
-    parts.into_iter().map(wrap).collect()
+    parts.into_iter().map(|part| read_part(OPERATION, part)).collect()
 }
 
-/// OpenCascade's STEP translator keeps process-wide state: one call at a time.
-fn step_lock() -> MutexGuard<'static, ()> {
+/// A part as it came from C++.
+pub(super) fn read_part(operation: &'static str, part: ffi::StepPart) -> Result<ReadPart> {
+    let color_srgb = (part.color[0] >= 0.0).then_some(part.color);
+    let density_kg_m3 = part.density_g_cm3 * KG_M3_PER_G_CM3;
+    let material = (!part.material.is_empty()).then_some(ReadMaterial { name: part.material, density_kg_m3 });
+    let shape = Shape::wrap(operation, part.shape)?;
+    Ok(ReadPart { name: part.name, color_srgb, material, shape })
+}
+
+/// What OpenCascade has densities in.
+const KG_M3_PER_G_CM3: f64 = 1000.0;
+
+/// OpenCascade's STEP and IGES translators keep process-wide state: one call at a time.
+pub(super) fn step_lock() -> MutexGuard<'static, ()> {
     static STEP: Mutex<()> = Mutex::new(());
     STEP.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -118,12 +150,29 @@ fn write_draft(
 }
 
 fn flat_part(operation: &'static str, part: &NamedShape<'_>, texts: &mut Texts) -> Result<ffi::StepPart> {
+    let name = texts.stand_in(part.name);
+    let material = part.material.map(|m| texts.stand_in(m.name)).unwrap_or_default();
+    checked_part(operation, part, name, material)
+}
+
+/// A part on its way to C++, under a name and of a material that the format bears.
+pub(super) fn checked_part(
+    operation: &'static str,
+    part: &NamedShape<'_>,
+    name: String,
+    material: String,
+) -> Result<ffi::StepPart> {
     let in_range = part.color_srgb.iter().all(|c| (0.0..=1.0).contains(c));
     check::require(operation, in_range, || {
         format!("part {:?}: colour {:?} is not 0 to 1", part.name, part.color_srgb)
     })?;
+    let density = part.material.map_or(0.0, |m| m.density_kg_m3);
+    check::require(operation, density >= 0.0 && density.is_finite(), || {
+        format!("part {:?}: density {density} kg/m3 is none", part.name)
+    })?;
     let shape = run(operation, || ffi::copy(part.shape.raw()))?;
-    Ok(ffi::StepPart { name: texts.stand_in(part.name), color: part.color_srgb, shape })
+    let density_g_cm3 = density / KG_M3_PER_G_CM3;
+    Ok(ffi::StepPart { name, color: part.color_srgb, material, density_g_cm3, shape })
 }
 
 fn flat_header(options: &StepOptions, texts: &mut Texts) -> ffi::StepHeader {
@@ -142,15 +191,15 @@ fn flat_header(options: &StepOptions, texts: &mut Texts) -> ffi::StepHeader {
     }
 }
 
-fn utf8(path: &Path) -> Result<&str> {
+pub(super) fn utf8(path: &Path) -> Result<&str> {
     path.to_str().ok_or_else(|| KernelError::file(path, "the path is not UTF-8"))
 }
 
 /// A file under a name of its own, removed when it goes out of scope under that name.
-struct Draft(PathBuf);
+pub(super) struct Draft(pub(super) PathBuf);
 
 impl Draft {
-    fn beside(path: &Path) -> Result<Self> {
+    pub(super) fn beside(path: &Path) -> Result<Self> {
         let Some(name) = path.file_name() else { return Err(KernelError::file(path, "this names no file")) };
         static DRAFTS: AtomicU32 = AtomicU32::new(0);
         let number = DRAFTS.fetch_add(1, Ordering::Relaxed);

@@ -106,7 +106,7 @@ impl BsplineSurface {
         [domain(&self.knots_u, &self.multiplicities_u), domain(&self.knots_v, &self.multiplicities_v)]
     }
 
-    fn checked(&self, operation: &'static str) -> Result<ffi::FlatSurface> {
+    pub(super) fn checked(&self, operation: &'static str) -> Result<ffi::FlatSurface> {
         let [count_u, count_v] = self.pole_count;
         check::require(operation, count_u.checked_mul(count_v) == Some(self.poles.len()), || {
             format!("{} poles are not {count_u} × {count_v}", self.poles.len())
@@ -214,7 +214,7 @@ fn checked_loop(
     Ok(poles)
 }
 
-fn check_curve(
+pub(super) fn check_curve(
     operation: &'static str,
     name: &str,
     poles: &[[f64; 2]],
@@ -296,7 +296,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 impl TrimCurve {
-    fn poles(&self) -> Vec<[f64; 2]> {
+    pub(super) fn poles(&self) -> Vec<[f64; 2]> {
         match self {
             Self::Line { from, to } => vec![*from, *to],
             Self::Bezier { poles } => poles.clone(),

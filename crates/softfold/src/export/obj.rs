@@ -13,9 +13,19 @@ pub fn mesh(title: &str, positions: &[DVec3], triangles: &[[u32; 3]]) -> String 
     document(title, positions, triangles)
 }
 
-/// A quad cage, for subdivision modelling: faces keep their four corners.
-pub fn cage(title: &str, positions: &[DVec3], quads: &[[u32; 4]]) -> String {
-    document(title, positions, quads)
+/// Quad cages, for subdivision modelling: faces keep their four corners. One is one object; several are one object each,
+/// `face-1` and so on.
+pub fn cages(title: &str, cages: &[(&[DVec3], &[[u32; 4]])]) -> String {
+    if let [(positions, quads)] = cages {
+        return document(title, positions, quads);
+    }
+    let (mut out, mut first) = (String::new(), 0);
+    for (number, (positions, quads)) in cages.iter().enumerate() {
+        let moved: Vec<[u32; 4]> = quads.iter().map(|q| q.map(|v| v + first)).collect();
+        out += &document(&format!("face-{}", number + 1), positions, &moved);
+        first += positions.len() as u32;
+    }
+    out
 }
 
 /// The flat mesh at z = 0 with a group `sheet` of faces and a group of lines (`l`) for every boundary curve and every fold
@@ -69,7 +79,7 @@ mod tests {
     #[test]
     fn a_quad_keeps_its_corners_counted_from_one() {
         let p = [DVec3::ZERO, DVec3::X, DVec3::ONE, DVec3::Y * 0.5];
-        let text = cage("cage of\nA", &p, &[[0, 1, 2, 3]]);
+        let text = cages("cage of\nA", &[(&p, &[[0, 1, 2, 3]])]);
         assert!(text.contains("# units: mm"));
         assert!(text.contains("o cage_of_A\n"));
         assert!(text.ends_with("v 0 0.5 0\nf 1 2 3 4\n"));

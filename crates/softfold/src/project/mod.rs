@@ -1,6 +1,7 @@
 //! The project file: what a run is asked for. TOML; every key is documented in `fixtures/sculpture/project.toml`.
 
 mod course;
+mod export;
 mod fold;
 mod number;
 mod place;
@@ -8,6 +9,7 @@ mod read;
 mod soften;
 
 pub use course::{Release, SelfCollision, Step};
+pub use export::{Export, Schema, ShapeFormat};
 pub use fold::{
     Anchor, Band, CoPlanar, Collide, Floor, Fold, Glue, Load, Plane, Rail, Scan, Solver, Start, Weights,
 };
@@ -63,6 +65,9 @@ pub struct Project {
     /// Verdicts.
     #[serde(default)]
     pub limits: Limits,
+    /// Files of exact shapes.
+    #[serde(default)]
+    pub export: Export,
 }
 
 /// `mesh.backend`
@@ -166,6 +171,8 @@ pub enum Bending {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Material {
+    /// Its name, written into STEP files.
+    pub name: String,
     /// E, MPa.
     pub youngs_modulus_mpa: f64,
     /// ν.
@@ -186,6 +193,7 @@ impl Default for Material {
     /// Fiber cement.
     fn default() -> Self {
         Self {
+            name: "fiber cement".to_owned(),
             youngs_modulus_mpa: 6000.0,
             poisson_ratio: 0.25,
             density_kg_m3: 1750.0,
@@ -197,10 +205,23 @@ impl Default for Material {
     }
 }
 
+/// `surface.form`
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Form {
+    /// One face over a lattice, trimmed by the outline.
+    #[default]
+    Lattice,
+    /// A subdivision cage that conforms to the outline, converted to faces that share their edges.
+    Subd,
+}
+
 /// `[surface]`
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Surface {
+    /// What `sheet.step` and `cage.obj` hold; board and mold are made of the lattice either way.
+    pub form: Form,
     /// Deviation aimed at, mm.
     pub tolerance_mm: Option<f64>,
     /// Spacing of the poles, mm; found if absent.
@@ -229,6 +250,8 @@ pub struct Board {
     /// Where the sheet lies in it.
     #[serde(default)]
     pub placement: Placement,
+    /// Height above the lowest point at which it is cut flat, mm.
+    pub trim_ground_mm: Option<f64>,
 }
 
 /// `[stability]`
@@ -349,7 +372,26 @@ impl Project {
         self.roles.check(text)?;
         self.soften.check(text)?;
         self.check_strengths(text)?;
+        self.check_names(text)?;
         self.fold.check(text)
+    }
+
+    /// What is written under a name needs one, and what is written a format.
+    fn check_names(&self, text: &str) -> Result<(), ProjectFault> {
+        let fault = |table: &str, key: &str, message: &str| {
+            Err(ProjectFault { line: line_of(text, table, key), message: message.to_owned() })
+        };
+        if self.material.name.trim().is_empty() {
+            return fault("material", "name", "material.name is empty; give a name, or leave it out");
+        }
+        if self.export.formats.is_empty() {
+            return fault(
+                "export",
+                "formats",
+                "export.formats is empty; give \"step\", \"iges\" or \"brep\"",
+            );
+        }
+        Ok(())
     }
 
     /// Weights are of hinges alone.
@@ -394,6 +436,7 @@ impl Project {
         let optional = [
             ("material", "min_radius_mm", self.material.min_radius_mm),
             ("material", "strain_limit", self.material.strain_limit),
+            ("board", "trim_ground_mm", self.board.trim_ground_mm),
             ("surface", "tolerance_mm", self.surface.tolerance_mm),
             ("surface", "spacing_mm", self.surface.spacing_mm),
         ];
@@ -454,6 +497,27 @@ mod tests {
             let fault = Project::parse(&format!("{LEAST}[mesh]\n{line}\n")).unwrap_err();
             assert_eq!(fault.line, Some(7), "{line}: {}", fault.message);
             assert!(fault.message.contains(word), "{line}: {}", fault.message);
+        }
+    }
+
+    #[test]
+    fn formats_and_schema_of_shapes_are_read_and_checked() {
+        let p = Project::parse(LEAST).unwrap();
+        assert_eq!(p.export, Export { formats: vec![ShapeFormat::Step], step_schema: Schema::Ap242 });
+        let text = "[export]\nformats = [\"iges\", \"brep\"]\nstep_schema = \"ap214\"\n";
+        let p = Project::parse(&format!("{LEAST}{text}")).unwrap();
+        assert!(p.export.wants(ShapeFormat::Brep) && !p.export.wants(ShapeFormat::Step));
+        assert_eq!(p.export.step_schema.step(), softfold_kernel::occt::StepSchema::Ap214);
+        let bad = [
+            ("[export]\nformats = []", "export.formats"),
+            ("[export]\nformats = [\"stl\"]", "stl"),
+            ("[export]\nstep_schema = \"ap203\"", "ap203"),
+            ("[material]\nname = \" \"", "material.name"),
+        ];
+        for (text, word) in bad {
+            let fault = Project::parse(&format!("{LEAST}{text}\n")).unwrap_err();
+            assert_eq!(fault.line, Some(7), "{text}: {}", fault.message);
+            assert!(fault.message.contains(word), "{text}: {}", fault.message);
         }
     }
 

@@ -1,7 +1,7 @@
 //! `report.html`: one page for the designer, with everything inside it; no scripts, nothing from elsewhere.
 
 use super::json::{
-    Analyse, Board, Crosscheck, Fold, Mesh, Mold, Report, SpringBack, Stability, State, Surface,
+    Analyse, Board, Cage, Crosscheck, Fold, Mesh, Mold, Report, Shell, SpringBack, Stability, State, Surface,
     SurfaceShape, Verdict,
 };
 use super::page::{Facts, STYLE, drawing, legend, picture, section, table, timed_table};
@@ -255,6 +255,7 @@ fn figures(report: &Report) -> String {
         report.fold.as_ref().map(fold_facts),
         report.analyse.as_ref().map(analyse_facts),
         report.surface.as_ref().map(surface_facts),
+        report.surface.as_ref().and_then(|s| s.cage.as_ref()).map(cage_facts),
         report.board.as_ref().map(board_facts),
     ]
     .into_iter()
@@ -375,7 +376,48 @@ fn surface_facts(s: &Surface) -> String {
         )
         .row("Distance, root mean square", with_unit(s.rms_deviation_mm, "mm"))
         .row("Valid for CAD", yes(s.valid))
+        .rows(s.shell.as_ref().map_or_else(Vec::new, shell_rows))
         .finish("NURBS surface")
+}
+
+fn shell_rows(s: &Shell) -> Vec<(&'static str, String)> {
+    let edges = format!("{} sharp, {} smooth, {} lips of slits", s.creases, s.smooth_edges, s.slit_lips);
+    let mut rows = vec![
+        ("Edges between faces", edges),
+        ("Faces part by at most", format!("{:.1e} mm at {}", s.gap_mm, place(&s.gap_at))),
+        ("Tolerance of the edges", format!("{:.1e} mm", s.edge_tolerance_mm)),
+    ];
+    if !s.rounded.is_empty() {
+        rows.push(("Rounded", s.rounded.join(", ")));
+    }
+    rows
+}
+
+fn cage_facts(c: &Cage) -> String {
+    let degrees = |d: Option<f64>| d.map_or_else(|| "none".to_owned(), |d| with_unit(d, "°"));
+    let irregular: Vec<String> =
+        c.irregular.iter().map(|i| format!("{} at {}", i.valence, place(&i.at))).collect();
+    let excused: Vec<String> =
+        c.excused.iter().map(|e| format!("{} at {}", with_unit(e.angle_deg, "°"), place(&e.at))).collect();
+    let listed = |l: Vec<String>| if l.is_empty() { "none".to_owned() } else { l.join("; ") };
+    Facts::default()
+        .row("Quads", c.quads.to_string())
+        .row("Inner vertices of valence 4", percent_size(c.valence_4_share))
+        .row("Other valences", listed(irregular))
+        .row(
+            "Smallest angle in the flat",
+            format!("{} at {}", with_unit(c.min_angle_deg, "°"), place(&c.min_angle_at)),
+        )
+        .row("Sharper because the outline is", listed(excused))
+        .row("Rows along the bands", c.rows_along_bands.map_or_else(|| "no bands".to_owned(), percent_size))
+        .row("Cells", format!("{}, {} across a strip", with_unit(c.cell_mm, "mm"), c.cells_per_strip))
+        .row("Border of the limit from the outline", with_unit(c.border_mm, "mm"))
+        .row("Patches, and faces after merging", format!("{}, {}", c.patches, c.faces))
+        .row("Faces apart where they meet", with_unit(c.gap_mm, "mm"))
+        .row("Angle between faces, regular", degrees(c.g1_regular_deg))
+        .row("Around irregular vertices", degrees(c.g1_irregular_deg))
+        .row("Edges of more than 0.1°", c.rough.len().to_string())
+        .finish("Conforming cage")
 }
 
 fn board_facts(b: &Board) -> String {
@@ -383,13 +425,28 @@ fn board_facts(b: &Board) -> String {
         .row("Thickness", with_unit(b.thickness_mm, "mm"))
         .row("Volume", volume(b.volume_mm3))
         .row("Area × thickness", volume(b.area_times_thickness_mm3))
+        .row("Area and curvature × thickness", volume(b.offset_volume_mm3))
+        .row("As triangles", volume(b.mesh_volume_mm3))
+        .row("Cut off at the ground", b.trimmed_mm3.map_or_else(|| "–".to_owned(), volume))
         .row("Area", area(b.area_mm2))
         .row("Mass", with_unit(b.mass_kg, "kg"))
         .row("Barycenter as folded", place(&b.barycenter_mm))
+        .row("Inertia xx, yy, zz", moments([0, 1, 2].map(|k| b.inertia_kg_mm2[k][k])))
+        .row("Inertia xy, xz, yz", moments([(0, 1), (0, 2), (1, 2)].map(|(i, k)| b.inertia_kg_mm2[i][k])))
+        .row("Principal moments", moments(b.principal_moments_kg_mm2))
+        .row("Their axes", b.principal_axes.map(|a| direction(&a)).join(" "))
         .row("Smallest radius of a skin", maybe(b.min_radius_mm, "mm"))
         .row("Error of the thickness", with_unit(b.offset_error_mm, "mm"))
         .row("Valid solid", yes(b.valid))
         .finish("Board")
+}
+
+fn moments(values: [f64; 3]) -> String {
+    values.map(figure).join(", ") + " kg·mm²"
+}
+
+fn direction(axis: &[f64; 3]) -> String {
+    format!("({})", axis.map(|c| format!("{c:.3}")).join(", "))
 }
 
 fn stability(report: &Report, pictures: &Pictures) -> String {

@@ -323,9 +323,36 @@ pub struct Surface {
     pub face_distance_mm: f64,
     /// Whether the CAD kernel finds it valid.
     pub valid: bool,
+    /// How its faces fit together, where it has several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shell: Option<Shell>,
     /// How it bends and stretches the sheet.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shape: Option<SurfaceShape>,
+    /// The cage that conforms to the outline, for `surface.form = "subd"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cage: Option<Cage>,
+}
+
+/// How the faces of a surface fit together.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Shell {
+    /// Pieces of sharp creases on which two faces meet.
+    pub creases: usize,
+    /// Pieces of lines on which two faces go on as one smooth surface, behind the ends of creases and slits.
+    pub smooth_edges: usize,
+    /// Lips of slits.
+    pub slit_lips: usize,
+    /// Poles of all faces.
+    pub poles: usize,
+    /// Largest distance between two faces along an edge that they share, mm.
+    pub gap_mm: f64,
+    /// Where, mm.
+    pub gap_at: [f64; 2],
+    /// Largest tolerance of an edge or vertex in the CAD kernel, mm.
+    pub edge_tolerance_mm: f64,
+    /// Sharp creases and slits that bound no face, so that the surface is rounded there.
+    pub rounded: Vec<String>,
 }
 
 /// How the surface bends and stretches the sheet. Shares are of the sheet's area.
@@ -376,6 +403,66 @@ pub struct SurfaceShape {
     pub ruling_bow_space: f64,
 }
 
+/// A quad cage that conforms to the outline, and the faces made of its limit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Cage {
+    /// Quads; there are no other faces.
+    pub quads: usize,
+    /// Vertices that are not on the border.
+    pub inner_vertices: usize,
+    /// Share of them with four edges.
+    pub valence_4_share: f64,
+    /// The others.
+    pub irregular: Vec<Irregular>,
+    /// Smallest angle in the flat sheet, but for the excused, degrees.
+    pub min_angle_deg: f64,
+    /// Where it is, mm.
+    pub min_angle_at: [f64; 2],
+    /// Smaller angles that the outline forces.
+    pub excused: Vec<PlacedAngle>,
+    /// Share of the lengthwise edges in bands that run within 5° of the fold lines.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rows_along_bands: Option<f64>,
+    /// Length of a cell away from the bands, mm.
+    pub cell_mm: f64,
+    /// Cells across each strip of a band.
+    pub cells_per_strip: u32,
+    /// Largest distance of the outline from the border of the flat limit, mm.
+    pub border_mm: f64,
+    /// Patches before merging.
+    pub patches: usize,
+    /// Faces after merging.
+    pub faces: usize,
+    /// Largest distance between faces where they meet, mm.
+    pub gap_mm: f64,
+    /// Largest angle between faces away from irregular vertices, degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub g1_regular_deg: Option<f64>,
+    /// Largest angle between faces around irregular vertices, degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub g1_irregular_deg: Option<f64>,
+    /// Edges where faces meet at more than 0.1°.
+    pub rough: Vec<PlacedAngle>,
+}
+
+/// A vertex of a cage with other than four edges.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Irregular {
+    /// Where, mm.
+    pub at: [f64; 2],
+    /// Its edges.
+    pub valence: u32,
+}
+
+/// An angle somewhere.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PlacedAngle {
+    /// Where, mm.
+    pub at: [f64; 2],
+    /// The angle, degrees.
+    pub angle_deg: f64,
+}
+
 /// The thick board.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Board {
@@ -391,6 +478,25 @@ pub struct Board {
     pub mass_kg: f64,
     /// Barycenter, mm.
     pub barycenter_mm: [f64; 3],
+    /// Rows of the inertia tensor about the barycenter, kg·mm²: `∫ y² + z²` and so on its diagonal, `−∫ x y` beside it.
+    #[serde(default)]
+    pub inertia_kg_mm2: [[f64; 3]; 3],
+    /// Its principal moments, ascending, kg·mm².
+    #[serde(default)]
+    pub principal_moments_kg_mm2: [f64; 3],
+    /// Their axes, unit vectors, right-handed.
+    #[serde(default)]
+    pub principal_axes: [[f64; 3]; 3],
+    /// Volume between the true offsets of the sheet, mm³: its area and curvatures, integrated. This and the next are of the
+    /// board before it is trimmed.
+    #[serde(default)]
+    pub offset_volume_mm3: f64,
+    /// Volume of the board as triangles, by CGAL, mm³.
+    #[serde(default)]
+    pub mesh_volume_mm3: f64,
+    /// What was cut off at the ground, mm³; none if nothing was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trimmed_mm3: Option<f64>,
     /// Smallest radius on either skin, mm; none where nothing bends.
     pub min_radius_mm: Option<f64>,
     /// Largest difference between the skins' distance and the thickness, mm.

@@ -17,6 +17,10 @@ impl Facts {
         self
     }
 
+    pub(super) fn rows(self, rows: Vec<(&'static str, String)>) -> Self {
+        rows.into_iter().fold(self, |facts, (label, figure)| facts.row(label, figure))
+    }
+
     /// The table under a heading of its own.
     pub(super) fn finish(self, heading: &str) -> String {
         let rows: String = self

@@ -1,6 +1,6 @@
 //! The closing summary on the terminal: what came out, in plain words.
 
-use super::json::{Board, Fold, Mold, Pattern, Report, Stability, Surface};
+use super::json::{Board, Cage, Fold, Mold, Pattern, Report, Stability, Surface};
 use super::words::{area, count, figure, maybe, percent, percent_size, volume, with_unit, yes};
 
 /// Twelve to twenty lines: one a stage, then the verdicts, then the time. Ends with a line end.
@@ -13,7 +13,7 @@ pub fn summary(report: &Report) -> String {
     }
     lines.extend(report.mesh.as_ref().map(mesh_line));
     lines.extend(report.fold.iter().flat_map(fold_lines));
-    lines.extend(report.surface.as_ref().map(surface_line));
+    lines.extend(report.surface.iter().flat_map(surface_lines));
     lines.extend(report.board.as_ref().map(board_line));
     lines.extend(report.stability.as_ref().map(stability_line));
     lines.extend(report.mold.iter().flat_map(mold_lines));
@@ -91,6 +91,39 @@ fn fold_lines(f: &Fold) -> Vec<String> {
         ),
         row("", &format!("fold lines within {} of their turn; {hits}", with_unit(f.turn_error_max_deg, "°"))),
     ]
+}
+
+fn surface_lines(s: &Surface) -> Vec<String> {
+    let Some(cage) = &s.cage else { return vec![surface_line(s)] };
+    let valid = if s.valid { "valid" } else { "NOT valid" };
+    let off = with_unit(s.max_deviation_mm, "mm");
+    vec![
+        row(
+            "Surface",
+            &format!(
+                "{} of {} patches, {valid}; at most {off} from the folded sheet",
+                count(cage.faces, "face", "faces"),
+                cage.patches
+            ),
+        ),
+        row("", &cage_words(cage)),
+    ]
+}
+
+/// The cage in a few words: quads, valences, angles, rows.
+fn cage_words(c: &Cage) -> String {
+    let excused = match c.excused.len() {
+        0 => String::new(),
+        n => format!(" (but for {} that the outline makes sharper)", count(n, "corner", "corners")),
+    };
+    let rows = c.rows_along_bands.map(|r| format!("; {:.0} % of the rows along the bands", 100.0 * r));
+    format!(
+        "cage of {} quads, {:.1} % of inner vertices of valence 4, smallest angle {:.0}°{excused}{}",
+        c.quads,
+        100.0 * c.valence_4_share,
+        c.min_angle_deg,
+        rows.unwrap_or_default()
+    )
 }
 
 fn surface_line(s: &Surface) -> String {
