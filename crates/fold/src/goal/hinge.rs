@@ -32,9 +32,14 @@ struct Turn {
 }
 
 /// One wing of the hinge: gradient of θ by its tip, and where the tip's foot falls on the edge.
-struct Wing {
+struct Lever {
     tip_gradient: DVec3,
     foot: f64,
+}
+
+/// A wing with its second derivatives.
+struct Wing {
+    lever: Lever,
     /// Derivative of `tip_gradient` by edge vector and tip vector.
     by_edge: DMat3,
     by_tip: DMat3,
@@ -78,29 +83,26 @@ impl Hinge {
         wrapped(self.angle(x) - self.rest_rad)
     }
 
-    fn wings(&self, x: &[DVec3]) -> [Wing; 2] {
-        let [a, b, l, r] = self.corners(x);
-        [wing(b - a, l - a, 1.0), wing(b - a, r - a, -1.0)]
-    }
-
     fn turn(&self, x: &[DVec3]) -> Turn {
-        let gradient = gradient_of(&self.wings(x));
-        Turn { angle: self.angle(x), gradient }
+        let [a, b, l, r] = self.corners(x);
+        let levers = [lever(b - a, l - a, 1.0), lever(b - a, r - a, -1.0)];
+        Turn { angle: self.angle(x), gradient: gradient_of(&levers) }
     }
 
     /// Second derivative of θ: block [i][j] by corners i and j.
     fn turn_hessian(&self, x: &[DVec3]) -> [[DMat3; 4]; 4] {
         let mut h = [[DMat3::ZERO; 4]; 4];
-        for (k, w) in self.wings(x).iter().enumerate() {
-            let tip = 2 + k;
+        let [a, b, l, r] = self.corners(x);
+        for (k, w) in [wing(b - a, l - a, 1.0), wing(b - a, r - a, -1.0)].iter().enumerate() {
+            let (tip, Lever { tip_gradient, foot }) = (2 + k, &w.lever);
             // The edge vector is x₁ − x₀, the tip vector x_tip − x₀.
             let by = [(0, -w.by_edge - w.by_tip), (1, w.by_edge), (tip, w.by_tip)];
             let foot_by = [-w.foot_by_edge - w.foot_by_tip, w.foot_by_edge, w.foot_by_tip];
             for ((j, tip_by), foot_by) in by.into_iter().zip(foot_by) {
-                let shift = outer(w.tip_gradient, foot_by);
+                let shift = outer(*tip_gradient, foot_by);
                 h[tip][j] += tip_by;
-                h[0][j] -= (1.0 - w.foot) * tip_by - shift;
-                h[1][j] -= w.foot * tip_by + shift;
+                h[0][j] -= (1.0 - foot) * tip_by - shift;
+                h[1][j] -= *foot * tip_by + shift;
             }
         }
         h
@@ -108,6 +110,14 @@ impl Hinge {
 }
 
 /// `side` is +1 for the left wing, whose normal is edge × tip, −1 for the right one.
+fn lever(edge: DVec3, tip: DVec3, side: f64) -> Lever {
+    let length = edge.length();
+    let normal = side * edge.cross(tip);
+    let over = normal / normal.length_squared().max(f64::MIN_POSITIVE);
+    Lever { tip_gradient: length * over, foot: tip.dot(edge) / (length * length) }
+}
+
+/// As [`lever`], with the second derivatives.
 fn wing(edge: DVec3, tip: DVec3, side: f64) -> Wing {
     let length = edge.length();
     let normal = side * edge.cross(tip);
@@ -115,10 +125,10 @@ fn wing(edge: DVec3, tip: DVec3, side: f64) -> Wing {
     let over = normal / area2;
     // d(n/|n|²) = M dn
     let m = (DMat3::IDENTITY - 2.0 * outer(normal, normal) / area2) / area2;
-    let foot = tip.dot(edge) / (length * length);
+    let lever = lever(edge, tip, side);
+    let foot = lever.foot;
     Wing {
-        tip_gradient: length * over,
-        foot,
+        lever,
         by_edge: outer(over, edge / length) - side * length * m * cross_matrix(tip),
         by_tip: side * length * m * cross_matrix(edge),
         foot_by_edge: (tip - 2.0 * foot * edge) / (length * length),
@@ -127,8 +137,8 @@ fn wing(edge: DVec3, tip: DVec3, side: f64) -> Wing {
 }
 
 /// The edge's ends take up what the tips do, by the lever rule (no net force or moment).
-fn gradient_of(wings: &[Wing; 2]) -> [DVec3; 4] {
-    let [l, r] = wings;
+fn gradient_of(levers: &[Lever; 2]) -> [DVec3; 4] {
+    let [l, r] = levers;
     [
         -(1.0 - l.foot) * l.tip_gradient - (1.0 - r.foot) * r.tip_gradient,
         -l.foot * l.tip_gradient - r.foot * r.tip_gradient,
