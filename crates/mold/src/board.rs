@@ -173,7 +173,7 @@ impl Board {
 
 impl Placement {
     /// Signed distances of the lower and the upper skin from the sheet.
-    fn offsets_mm(self, thickness_mm: f64) -> [f64; 2] {
+    pub fn offsets_mm(self, thickness_mm: f64) -> [f64; 2] {
         match self {
             Placement::Mid => [-0.5 * thickness_mm, 0.5 * thickness_mm],
             Placement::Lower => [0.0, thickness_mm],

@@ -1,8 +1,9 @@
 //! The shape of the sheet's surface, place by place: what surface.ply, its pictures and its figures show.
 
 use crate::compare::refined;
-use crate::project::{self, Project};
+use crate::project::Project;
 use crate::report::json;
+use crate::stages::placement;
 use softfold_geometry::{
     DVec2, DVec3, Extreme, FlatMesh, PlanarCurve, SheetSurface, SurfacePoint, TriMesh, polygon,
 };
@@ -69,7 +70,7 @@ pub fn of(project: &Project, mesh: &FlatMesh, surfaces: &[SheetSurface], spacing
     let of_face =
         |face: &Face<'_>| rulings(&|p| face.inside(p).then(|| face.surface.spline.at(p)), &seeds, &options);
     let rulings = faces.iter().flat_map(of_face).collect();
-    let skins_mm = skins_mm(project);
+    let skins_mm = placement(project).offsets_mm(project.board.thickness_mm);
     let limit_mm = radius_limit_mm(project);
     SheetShape { places, triangles: fine.triangles, shapes, rulings, options, shares, skins_mm, limit_mm }
 }
@@ -131,16 +132,6 @@ fn seeds(low: DVec2, high: DVec2, step_mm: f64) -> Vec<DVec2> {
     let (columns, rows) = (count.x as usize, count.y as usize);
     let at = |i: usize, j: usize| low + step_mm * DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
     (0..columns).flat_map(|i| (0..rows).map(move |j| at(i, j))).collect()
-}
-
-/// Where the skins lie along the sheet's normal.
-fn skins_mm(project: &Project) -> [f64; 2] {
-    let t = project.board.thickness_mm;
-    match project.board.placement {
-        project::Placement::Mid => [-0.5 * t, 0.5 * t],
-        project::Placement::Lower => [0.0, t],
-        project::Placement::Upper => [-t, 0.0],
-    }
 }
 
 /// The smallest radius that a skin may have, mm: what the material says, or where its outer fibre reaches the strain that

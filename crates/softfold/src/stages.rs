@@ -426,11 +426,7 @@ fn board(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result
     let options = BoardOptions {
         thickness_mm: wanted.thickness_mm,
         density_kg_m3: loaded.project.material.density_kg_m3,
-        placement: match wanted.placement {
-            project::Placement::Mid => Placement::Mid,
-            project::Placement::Lower => Placement::Lower,
-            project::Placement::Upper => Placement::Upper,
-        },
+        placement: placement(&loaded.project),
     };
     let sheet = smooth(results)?;
     let mut board = softfold_mold::make_board(sheet, &options).map_err(|e| mold_fault(loaded, &e))?;
@@ -440,6 +436,15 @@ fn board(loaded: &Loaded, results: &mut Results, _: &mut dyn Progress) -> Result
     let word = format!("{:.1} kg", board.mass_kg);
     results.board = Some(board);
     Ok(word)
+}
+
+/// Where the sheet's surface lies in the board.
+pub(crate) fn placement(project: &Project) -> Placement {
+    match project.board.placement {
+        project::Placement::Mid => Placement::Mid,
+        project::Placement::Lower => Placement::Lower,
+        project::Placement::Upper => Placement::Upper,
+    }
 }
 
 /// The one smooth face.
